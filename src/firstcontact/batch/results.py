@@ -55,8 +55,8 @@ def told_by_boxes(questions: Sequence[Question]) -> dict[int, Answer]:
 
 
 def in_order(
-    questions: Sequence[Question], known: Mapping[int, Answer], here: Callable[[int], Answer], reached: Callable[[int], None],
-    workers: int,
+    questions: Sequence[Question], known: Mapping[int, Answer], here: Callable[[int], Answer],
+    reached: Callable[[int], None], workers: int,
 ) -> Iterator[Answer]:
     """The results in order; `here` answers question k in this process, as long as what is left is soon done.
 

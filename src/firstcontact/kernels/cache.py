@@ -29,7 +29,7 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
 
 from firstcontact.kernels.notices import announce
-from firstcontact.kernels.parts import Part, rebuilt, set_environments, within_another
+from firstcontact.kernels.parts import Part, pieces_of, rebuilt, set_environments, within_another
 
 _OWN = __name__.partition(".")[0] + "."
 
@@ -114,7 +114,7 @@ class KernelCache(_Cache):  # type: ignore[misc]
         begun = file.with_name(f"{file.name}.{uuid.uuid4().hex[:16]}")
         try:
             FOLDER.mkdir(parents=True, exist_ok=True)
-            begun.write_bytes(dumps(data._replace(type_annotation="")._reduce()))
+            begun.write_bytes(dumps(pieces_of(data)))
             os.replace(begun, file)  # whole or not at all
         except OSError:  # a folder that cannot be written to: compiled again in the next process
             begun.unlink(missing_ok=True)

@@ -10,13 +10,15 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cached_property
 from types import CodeType
 from typing import Any
 
 from llvmlite import binding
-from numba.core.codegen import JITCodeLibrary
+from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
 from numba.core.compiler import Compiler, CompileResult
 from numba.core.dispatcher import Dispatcher
+from numba.core.environment import lookup_environment
 from numba.core.typed_passes import NopythonRewrites
 from numba.core.untyped_passes import InlineClosureLikes
 
@@ -48,22 +50,74 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
 
     of_kernel = True
 
+    def __init__(self, codegen: Any, name: str) -> None:
+        super().__init__(codegen, name)
+        self.needs: list[Part] = []
+        """All that is called, by what is called too, to be linked into a whole beside this: not into each caller."""
+
+    def finalize(self) -> None:
+        """Leaves alone are linked and optimized: all else is once more, with what is inlined there."""
+        libraries = list(dict.fromkeys(self._linking_libraries))
+        if any(isinstance(library, Part) and library.of_kernel for library in libraries):
+            self.needs = [library for library in libraries if isinstance(library, Part)]
+            self._linking_libraries = [library for library in libraries if not isinstance(library, Part)]
+        super().finalize()
+
     def _optimize_final_module(self) -> None:
-        """Of leaves alone: what they are linked into is optimized once more, with all that is inlined there."""
-        if not any(isinstance(library, Part) and library.of_kernel for library in self._linking_libraries):
+        if not self.needs:
             super()._optimize_final_module()
 
     def _finalize_final_module(self) -> None:
+        """As Numba's `_get_module_for_linking` says it, without a copy."""
         self._finalize_dynamic_globals()
-        self._verify_declare_only_symbols()
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage == binding.Linkage.external:
+                function.linkage = "linkonce_odr"
+        self._shared_module = self._final_module
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
         self._ensure_finalized()
         return 0
 
-    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
-        return self.name, "bitcode", self._get_module_for_linking().as_bitcode()
+    def serialize_using_object_code(self) -> tuple[str, str, list[bytes]]:
+        return self.name, "bitcode", [part.bitcode for part in (self, *self.needs)]
+
+    @cached_property
+    def bitcode(self) -> bytes:
+        code: bytes = self._get_module_for_linking().as_bitcode()
+        return code
+
+    @property
+    def environments(self) -> list[Any]:
+        """Where its code looks for what it raises."""
+        names = (variable.name for variable in self._get_module_for_linking().global_variables)
+        found = (lookup_environment(name) for name in names if name.startswith("_ZN08NumbaEnv"))
+        return [environment for environment in found if environment is not None and environment.can_cache()]
+
+
+_link: Any = CPUCodeLibrary.add_linking_library
+
+
+def _link_all(library: Any, other: Any) -> None:
+    _link(library, other)
+    if isinstance(other, Part):
+        library._linking_libraries += other.needs
+
+
+setattr(CPUCodeLibrary, "add_linking_library", _link_all)  # noqa: B010 (to mypy, methods are not assigned to)
+
+_read: dict[bytes, Part] = {}
+"""Parts from files, by their code: callers of the same ones share them."""
+
+
+def _part_of(context: Any, name: str, code: bytes) -> Part:
+    if (part := _read.get(code)) is None:
+        part = _read[code] = Part(context.codegen(), name)
+        part.bitcode = code
+        part._shared_module = binding.parse_bitcode(code)
+        part._finalized = True
+    return part
 
 
 class PartOrWhole(Compiler):  # type: ignore[misc]
@@ -145,15 +199,23 @@ def rebuilt(context: Any, kept: tuple[Any, ...]) -> Any:
         return result._rebuild(context, *kept)
     for again in reload_init:
         again()
-    library = Part(context.codegen(), name)
-    library._shared_module = binding.parse_bitcode(code)
-    library._finalized = True
+    library, *needs = (_part_of(context, name, each) for each in code)
+    library.needs = needs
     return result(
         typing_context=context.typing_context, target_context=context, entry_point=object(), typing_error=None,
         type_annotation=typeann, signature=signature, objectmode=objectmode, lifted=lifted, fndesc=fndesc,
         library=library, call_helper=None, environment=environment, metadata=None, reload_init=reload_init,
         referenced_envs=environments,
     )  # fmt: skip
+
+
+def pieces_of(compiled: Any) -> tuple[Any, ...]:
+    """What `rebuilt` takes, of what was compiled."""
+    kept: tuple[Any, ...] = compiled._replace(type_annotation="")._reduce()
+    if not isinstance(compiled.library, Part):
+        return kept
+    parts = compiled.library, *compiled.library.needs
+    return *kept[:-1], tuple(environment for part in parts for environment in part.environments)
 
 
 def set_environments(whole: Any) -> None:

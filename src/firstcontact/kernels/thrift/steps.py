@@ -1,16 +1,10 @@
-"""What Numba does in vain while it compiles, left out.  It is left out for the whole process: for those of our own.
-
-Every name of Numba's used here is of 0.68, which the package is pinned to.
-"""
+"""Steps of Numba's own that change nothing, left out or taken once."""
 
 from __future__ import annotations
 
-import gc
-from contextlib import nullcontext
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numba
 from llvmlite.binding import create_new_function_pass_manager
 from numba.core import base, compiler_machinery, errors, event, ir, postproc
 from numba.core.codegen import CPUCodeLibrary
@@ -20,10 +14,7 @@ from numba.core.types.functions import BaseFunction
 from numba.core.typing.templates import _OverloadFunctionTemplate
 
 from firstcontact.kernels.parts import for_callers
-
-if TYPE_CHECKING:
-    from llvmlite.binding import ModulePassManager, ModuleRef, PassBuilder
-    from numba.core.codegen import CPUCodegen
+from firstcontact.kernels.thrift.replaced import no_context, nothing, put
 
 _after: Any = postproc.PostProcessor.run
 _typed: Any = BaseFunction.get_call_type
@@ -31,33 +22,16 @@ _decorator: Any = _OverloadFunctionTemplate._get_jit_decorator
 
 
 def apply() -> None:
-    gc.disable()
-    _set(TargetConfig, __eq__=_equal_options, __hash__=_hash_of_options)
-    _set(CPUCodeLibrary, _optimize_functions=_tidy)
-    _set(_OverloadFunctionTemplate, _get_jit_decorator=_decorator_of_overloads)
-    _set(BaseFunction, get_call_type=_call_type)
-    _set(postproc.PostProcessor, run=_run_after)
-    _set(ir.Inst, _rec_list_vars=_variables)
-    _set(base, _has_loc=cache(base._has_loc))
-    _set(vars(errors)["WarningsFixer"], catch_warnings=_as_they_come)
-    _set(event, start_event=_nothing, end_event=_nothing)  # of locks, whenever LLVM is called
-    _set(compiler_machinery, enforce_no_dels=_nothing)  # a check of Numba's own steps, after each of them
-
-
-def _set(place: object, **new: object) -> None:
-    for name, value in new.items():
-        if name not in vars(place):
-            raise AttributeError(f"{place} of Numba {numba.__version__} has no {name}")
-        setattr(place, name, value)
-
-
-def _nothing(*_: object, **__: object) -> None:
-    pass
-
-
-def _as_they_come(*_: object, **__: object) -> nullcontext[None]:
-    """Warnings of a step of type inference, without the line that it is for."""
-    return nullcontext()
+    put(TargetConfig, __eq__=_equal_options, __hash__=_hash_of_options)
+    put(CPUCodeLibrary, _optimize_functions=_tidy)
+    put(_OverloadFunctionTemplate, _get_jit_decorator=_decorator_of_overloads)
+    put(BaseFunction, get_call_type=_call_type)
+    put(postproc.PostProcessor, run=_run_after)
+    put(ir.Inst, _rec_list_vars=_variables)
+    put(base, _has_loc=cache(base._has_loc))
+    put(vars(errors)["WarningsFixer"], catch_warnings=no_context)
+    put(event, start_event=nothing, end_event=nothing)  # of locks, whenever LLVM is called
+    put(compiler_machinery, enforce_no_dels=nothing)  # a check of Numba's own steps, after each of them
 
 
 def _equal_options(one: Any, other: Any) -> Any:
@@ -68,13 +42,13 @@ def _equal_options(one: Any, other: Any) -> Any:
     return mine == its or all(getattr(one, name) == getattr(other, name) for name in mine.keys() | its.keys())
 
 
-def _hash_of_options(one: TargetConfig) -> int:
+def _hash_of_options(one: Any) -> int:
     """Numba's is of their names alone.  Options that are equal are set by the same names, but for defaults."""
     known = type(one).options
     return hash(frozenset(n for n, value in one._values.items() if value is True and known[n].default is not True))
 
 
-def _tidy(library: CPUCodeLibrary, module: ModuleRef) -> None:
+def _tidy(library: Any, module: Any) -> None:
     """Functions before they are linked: they are optimized together, in what Python calls."""
     module.data_layout = library._codegen._data_layout
     passes, builder = _tidying(library._codegen)
@@ -84,7 +58,7 @@ def _tidy(library: CPUCodeLibrary, module: ModuleRef) -> None:
 
 
 @cache
-def _tidying(codegen: CPUCodegen) -> tuple[ModulePassManager, PassBuilder]:
+def _tidying(codegen: Any) -> tuple[Any, Any]:
     passes = create_new_function_pass_manager()
     passes.add_sroa_pass()
     passes.add_simplify_cfg_pass()
@@ -109,7 +83,7 @@ def _call_type(function: Any, context: Any, args: Any, kws: Any) -> Any:
     return signature
 
 
-def _run_after(processor: postproc.PostProcessor, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+def _run_after(processor: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
     """How long variables live is asked once, before a function gets its code, not after each step."""
     code = processor.func_ir
     if emit_dels or code.is_generator:
@@ -120,7 +94,7 @@ def _run_after(processor: postproc.PostProcessor, emit_dels: bool = False, exten
     code.generator_info = None
 
 
-def _variables(statement: ir.Inst, value: Any) -> list[ir.Var]:
+def _variables(statement: Any, value: Any) -> list[Any]:
     """Those of a statement's parts: most are words and places in files."""
     found: list[Any] = []
     kind = type(value)
