@@ -54,6 +54,8 @@ _ALL_SHIPPED = Path(__file__).with_name("compiled")
 SHIPPED = _ALL_SHIPPED / VERSIONS
 WHOLE, PART = ".nbc", ".part"
 """Files of kernels that Python calls, and of those that are there for other kernels to be compiled with."""
+WRITING = 2
+"""To be raised where files are laid out, or code is generated, in another way: those of before are not found then."""
 PORTABLE = "generic", ""
 """Name and features of a processor that every one of its kind is."""
 
@@ -122,7 +124,8 @@ class KernelCache(_Cache):  # type: ignore[misc]
     def _file(self, folder: Path, sig: Any, triple: str, processor: Sequence[str]) -> Path:
         arguments = dict(zip(self._kernel.py_func.__code__.co_varnames, sig, strict=False))
         system = triple.rstrip("0123456789.")  # without the release that macOS adds
-        made_of = fingerprint(self._kernel, getattr(arguments.get("motion"), "ndim", 0)), str(sig), system, *processor
+        kernel = fingerprint(self._kernel, getattr(arguments.get("motion"), "ndim", 0))
+        made_of = WRITING, kernel, str(sig), system, *processor
         return folder / f"{self._name}-{hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]}{WHOLE}"
 
     def enable(self) -> None:
