@@ -15,11 +15,15 @@ NEAR = 1e-6
 
 
 def judged(tree, hit):
-    """What refutes a first contact, or None; its status is one that tells something."""
+    """What refutes a first contact, or None.
+
+    It may stay open only where the two touch and do not pass into each other: a graze, or faces that slide in one plane.
+    """
     a, b = (int(x.name[1:]) for x in (hit.a, hit.b))
     first, last = hit.span
     if hit.status is fc.Status.UNDECIDED:
-        return "it is undecided"
+        at, after = tree.gaps(a, b, [hit.free_until, min(last, hit.free_until + NEAR)])
+        return None if abs(at) <= 1e-9 and after >= -1e-12 else "it is undecided"
     until = last if hit.status is fc.Status.FREE else hit.time
     before = np.linspace(first, until, SAMPLES, endpoint=hit.status is fc.Status.FREE)
     if hit.status is fc.Status.INITIAL_CONTACT:
