@@ -17,7 +17,7 @@ NEAR = 1e-6
 def judged(tree, hit):
     """What refutes a first contact, or None.
 
-    It may stay open only where the two touch and do not pass into each other: a graze, or faces that slide in one plane.
+    It may be open only where the two touch and do not pass into each other: a graze, or faces that slide in a plane.
     """
     a, b = (int(x.name[1:]) for x in (hit.a, hit.b))
     first, last = hit.span
@@ -35,7 +35,7 @@ def judged(tree, hit):
         return None
     early, late = max(first, hit.time - NEAR), min(last, hit.time + NEAR)
     lo, at, hi = tree.gaps(a, b, [early, hit.time, late])
-    if lo > 0 and hi < -1e-10:  # they pass into each other, and do not slide: the time is a root
+    if lo > 1e-10 and hi < -1e-10:  # they pass into each other at some speed, and do not slide: the time is a root
         root = brentq(lambda t: tree.gaps(a, b, t)[0], early, late, xtol=1e-15)
         return None if abs(root - hit.time) <= 1e-9 else f"they meet at {root}"
     return None if abs(at) <= 1e-9 else f"the gap is {at} then"
