@@ -61,7 +61,7 @@ def bounded(seed: int, rotating: bool) -> Scene:
 @pytest.mark.parametrize("first", range(0, amount(600), 50))
 def test_lattice_scenes(first, rotating):
     counts = [assert_same_intervals(bounded(seed, rotating)) for seed in range(first, first + 50)]
-    assert max(counts) > 1
+    assert max(counts) > 0
 
 
 @MOTIONS
