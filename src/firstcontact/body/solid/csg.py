@@ -73,13 +73,40 @@ def outcomes(tree: Tree, signs: Sequence[int]) -> set[bool]:
     {True, False}: a point with these signs is on the regularised boundary if the vanishing forms have independent
     gradients there.  {False}: it is outside, {True}: inside, whatever the gradients.
     """
-    on = [i for i, sign in enumerate(signs) if sign == 0]
-    values, found = pattern(signs, (), ()), set[bool]()
-    for choice in product((True, False), repeat=len(on)):
-        for i, value in zip(on, choice, strict=True):
-            values[i] = value
-        found.add(inside(tree, values))
+    return _values(tree, signs, None)
+
+
+def _values(tree: Tree, signs: Sequence[int], often: Sequence[int] | None) -> set[bool]:
+    """`outcomes`; often: the vanishing surfaces that several leaves name, None where they are not told yet.
+
+    What parts of the tree may be tells exactly what their union or intersection may be where they share no vanishing
+    surface; where they do, it tells too much at most, and the shared surfaces take either sign in turn.
+    """
+    inside_, outside = possible(tree, [x <= 0 for x in signs], [x >= 0 for x in signs])
+    if not (inside_ and outside):
+        return {inside_}
+    often = _often(tree, signs) if often is None else often
+    if not often:
+        return {True, False}
+    found = set[bool]()
+    for sign in (-1, 1):
+        found |= _values(tree, [*signs[: often[0]], sign, *signs[often[0] + 1 :]], often[1:])
+        if len(found) == 2:
+            break
     return found
+
+
+def _often(tree: Tree, signs: Sequence[int]) -> list[int]:
+    """The vanishing surfaces that several leaves name."""
+    count = [0] * len(signs)
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, Leaf):
+            count[node.surface] += 1
+        else:
+            waiting += [node.inner] if isinstance(node, Not) else [node.first, node.second]
+    return [i for i, sign in enumerate(signs) if sign == 0 and count[i] > 1]
 
 
 def borders(tree: Tree, signs: Sequence[int], surface: int, orientation: int) -> bool:
@@ -88,14 +115,33 @@ def borders(tree: Tree, signs: Sequence[int], surface: int, orientation: int) ->
     orientation: as of `features.Face`.  Necessary for a point with these signs to be on that face, and enough where the
     vanishing forms have independent gradients.
     """
-    free = [i for i, sign in enumerate(signs) if sign == 0 and i != surface]
-    for choice in product((True, False), repeat=len(free)):
-        values = pattern(signs, [*free, surface], [*choice, orientation > 0])
-        if inside(tree, values):
-            values[surface] = not values[surface]
-            if not inside(tree, values):
-                return True
-    return False
+    return _borders(tree, signs, surface, orientation > 0, None)
+
+
+def _borders(tree: Tree, signs: Sequence[int], surface: int, side: bool, often: Sequence[int] | None) -> bool:
+    """`borders`, by the signs of surfaces that several leaves name in turn, as `_values`."""
+    if (True, False) not in _sides(tree, signs, surface, side):
+        return False
+    often = [i for i in _often(tree, signs) if i != surface] if often is None else often
+    if not often:
+        return True
+    k, rest = often[0], often[1:]
+    return any(_borders(tree, [*signs[:k], sign, *signs[k + 1 :]], surface, side, rest) for sign in (-1, 1))
+
+
+def _sides(tree: Tree, signs: Sequence[int], surface: int, side: bool) -> set[tuple[bool, bool]]:
+    """The Boolean values, on that side of the surface and on the other, that patterns may have."""
+    if isinstance(tree, Leaf):
+        if tree.surface == surface:
+            return {(side, not side)}
+        sign = signs[tree.surface]
+        return {(value, value) for value, may in ((True, sign <= 0), (False, sign >= 0)) if may}
+    if isinstance(tree, Not):
+        return {(not x, not y) for x, y in _sides(tree.inner, signs, surface, side)}
+    pairs = product(*(_sides(part, signs, surface, side) for part in (tree.first, tree.second)))
+    if isinstance(tree, And):
+        return {(x and u, y and v) for (x, y), (u, v) in pairs}
+    return {(x or u, y or v) for (x, y), (u, v) in pairs}
 
 
 def pattern(signs: Sequence[int], on: Iterable[int], negative: Iterable[bool]) -> list[bool]:

@@ -26,7 +26,7 @@ from firstcontact.contact.signs.times import Times, roots_of
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots, roots_in
-from firstcontact.exact.numbers import fraction, rational, simplest
+from firstcontact.exact.numbers import fraction, rational, sign, simplest
 from firstcontact.exact.polynomials.trivariate import (
     RING,
     FactorSet,
@@ -106,10 +106,10 @@ class ContactCondition:
         c, found = self._conditions, []
         for t in samples(candidates(critical, *_limits(critical, self._span)), self._span):
             now, at_t, cells = AlgebraicRoot.of(t), c if all(c.bounded) else c.at(t), []
-            for u in samples(roots_of([univariate(at(b, 2, t), 0) for b in borders], c.u), c.u):
-                place = AlgebraicRoot.of(u)
-                number = count(at_t, place, now)
-                signs = _signs(borders, place, now)
+            walls = [univariate(at(b, 2, t), 0) for b in borders]  # positive multiples of the borders at the time
+            for u in samples(roots_of(walls, c.u), c.u):
+                number = count(at_t, AlgebraicRoot.of(u), now)
+                signs = tuple(sign(wall(u)) for wall in walls)
                 cells.append(Cell(fraction(u), fraction(t), signs, number, self._admits(number)))
             found.append(cells)
         return found

@@ -245,10 +245,12 @@ def real_roots(p: fmpz_poly, lo: fmpq, hi: fmpq) -> list[AlgebraicRoot]:
 
 def roots_in(p: fmpz_poly, ends: tuple[fmpq, fmpq] | None) -> list[AlgebraicRoot]:
     """The real roots of p != 0 in a closed range, or all of them (Cauchy's bound)."""
-    if ends is None:
-        bound = fmpq(2) + max((abs(c) for c in p.coeffs()[:-1]), default=fmpz(0)) // abs(p.leading_coefficient())
-        ends = -bound, bound
-    return real_roots(p, *ends)
+    return real_roots(p, *(ends or (-root_bound(p), root_bound(p))))
+
+
+def root_bound(p: fmpz_poly) -> fmpq:
+    """Beyond the absolute value of all roots of p != 0 (Cauchy's bound)."""
+    return fmpq(2) + max((abs(c) for c in p.coeffs()[:-1]), default=fmpz(0)) // abs(p.leading_coefficient())
 
 
 def _at_point(p: fmpz_poly, value: fmpq) -> list[AlgebraicRoot]:

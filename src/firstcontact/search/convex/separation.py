@@ -30,6 +30,8 @@ TERMS = 4
 STEPS = 40
 """Of Newton's method, in all."""
 JACOBIANS = 10
+STUCK = 3
+"""Jacobians in a row that do not halve the residual: more functions are active there than have a solution."""
 STEP = fmpq(1, 2**72)
 """Of difference quotients, in units of the unknowns."""
 ROUNDS, SHARPER = 6, 40.0
@@ -331,7 +333,7 @@ class Separation:
         fixed = {STATIC: len(scales) - 1, ZERO: 3, LEAST: None}[what]
         free = [k for k in range(len(scales)) if k != fixed]
         z = [*state.x, state.s if what != ZERO else fmpq(0), *state.weights, state.time]
-        best, back, made = math.inf, None, 0
+        best, back, made, stuck = math.inf, None, 0, 0
         for _ in range(STEPS):
             rest = self._residual(z, what)
             size = max(abs(float(r)) for r in rest)
@@ -340,7 +342,8 @@ class Separation:
             if size < 2.0 ** (-0.75 * BITS):
                 return State(z[-1], z[:3], z[3], z[4:-1])
             if back is None or size > 1e-5 * best:
-                if made == JACOBIANS:
+                stuck = stuck + 1 if size > best / 2 else 0
+                if made == JACOBIANS or stuck == STUCK:
                     return None
                 back, made = self._inverse(z, what, free, scales), made + 1
             best = size
