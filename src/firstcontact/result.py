@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING, Any, Self, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, Self, TypeAlias, TypedDict, overload
 
 import numpy as np
 
@@ -174,7 +174,7 @@ class _Deferring(_NoTruth):
     _rest: Callable[[], dict[str, Any]]
 
     @classmethod
-    def deferring(cls, known: dict[str, Any], rest: Callable[[], dict[str, Any]]) -> Self:
+    def deferring(cls, known: dict[str, object], rest: Callable[[], dict[str, object]]) -> Self:
         """The record with the fields `known`; `rest` gives all others."""
         record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
         put["_rest"](record, rest)
@@ -501,6 +501,25 @@ class Subproblem:
             "candidates": [x.to_dict() for x in self.candidates],
             "reason": self.reason,
         }
+
+
+class ContactFields(TypedDict, total=False):
+    """Fields of a FirstContact, but for its status, its bodies and the work."""
+
+    time: float | None
+    time_interval: tuple[float, float] | None
+    time_exact: ExactTime | None
+    point: np.ndarray | None
+    normal: np.ndarray | None
+    element_a: Element | None
+    element_b: Element | None
+    others: tuple[ElementPair, ...]
+    multiplicity: int
+    contact_set: str | None
+    initial: str | None
+    free_until: float | None
+    reason: str | None
+    subproblems: tuple[Subproblem, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)  # arrays have no single truth: see `Answer`

@@ -13,7 +13,7 @@ import tomllib
 from collections.abc import Iterable, Iterator, Sized
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypedDict, Union
 
 from pydantic import (
     Field,
@@ -125,12 +125,20 @@ class RationalTable(Table):
         return rational.rebuilt(self.coefficients, self.correction)
 
 
+class Turns(TypedDict):
+    """How poses are read, as `RationalMotion.between` and `Trajectory` take it."""
+
+    quat_xyzw: list[Quaternion] | None
+    quat_wxyz: list[Quaternion] | None
+    snap: Number
+
+
 class _Quaternions(Table):
     quat_xyzw: list[Quaternion] | None = None
     quat_wxyz: list[Quaternion] | None = None
     snap: Number = SNAP
 
-    def _check(self, **poses: Sized) -> dict[str, Any]:
+    def _check(self, **poses: Sized) -> Turns:
         """The quaternions, after a look whether the poses are of the kind that goes with them."""
         given = self.quat_xyzw is not None or self.quat_wxyz is not None
         for key, pose in poses.items():
@@ -276,6 +284,7 @@ def _solid_body(table: type[solids.Solid]) -> type[_Body]:
 
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence as Listing
     from fractions import Fraction
 
     from pydantic_core import ErrorDetails
@@ -350,6 +359,14 @@ class Check:
         return {"span": self.span, "exact": self.exact, "tolerance": self.tolerance, "budget": self.budget}
 
 
+class CurveArguments(TypedDict):
+    """What `intersection_curve` takes beside the surfaces."""
+
+    tolerance: float
+    box: Listing[Listing[Given]] | None
+    method: str
+
+
 @dataclass(frozen=True)
 class Curve:
     """A question of `firstcontact curve`: the keys of two bodies, the time at which they rest, the verb's arguments."""
@@ -361,8 +378,8 @@ class Curve:
     box: Any = None
     method: str = "auto"
 
-    def arguments(self) -> dict[str, Any]:
-        return {key: getattr(self, key) for key in ("tolerance", "box", "method")}
+    def arguments(self) -> CurveArguments:
+        return {"tolerance": self.tolerance, "box": self.box, "method": self.method}
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, reduce
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 from flint import arb, fmpq, fmpz, fmpz_mpoly
@@ -38,11 +38,13 @@ from firstcontact.result_curve import ExactParameters, SingularPoint
 
 if TYPE_CHECKING:
     from fractions import Fraction
+    from typing import Unpack
 
     from firstcontact.body.solid.carriers import Quadric
     from firstcontact.curves.exactly.spots import Box
     from firstcontact.curves.fields import CurveFields
     from firstcontact.exact.curves.plane_curves import Edge, Graph, Node
+    from firstcontact.result_curve import ExactPair
 
 UNIT = fmpq(0), fmpq(1)
 FLAT = 1e-9
@@ -157,7 +159,7 @@ class _Found(Parts):
         self.piece, self.clip, self.first = piece, clip, first
 
     def exact(self, where: Any) -> ExactParameters:
-        def pair() -> Any:
+        def pair() -> ExactPair:
             u = self.piece.user_parameter(where.u)
             known = math.inf if u is None else number(u)
             return (known, None) if self.first else (None, known)
@@ -215,6 +217,13 @@ class _Clip:
                 if bivariate.evaluate(a, where.x, where.y).contains(0):
                     found.append(name)
         return tuple(found)
+
+
+class Joining(TypedDict, total=False):
+    """How a SheetCurve goes on beyond its piece."""
+
+    knots: Sequence[fmpq | Fraction]
+    joins: bool
 
 
 class SheetCurve:
@@ -318,7 +327,7 @@ class ModelCurve(SheetCurve):
     """With the boundary of a solid of planes and quadrics; joining: as `knots` and `joins` of SheetCurve."""
 
     def __init__(self, piece: Piece, model: CompositeQuadric, tolerance: float, box: Box | None, first: bool,
-                 **joining: Any) -> None:  # fmt: skip
+                 **joining: Unpack[Joining]) -> None:  # fmt: skip
         super().__init__(piece, model.surfaces, len(model.surfaces), tolerance, box, first, **joining)
         self.model = model
 
