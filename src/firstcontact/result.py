@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING, Any, Self, TypeAlias, TypedDict, overload
+from typing import TYPE_CHECKING, Any, Self, TypeAlias, TypedDict, TypeVar, overload
 
 import numpy as np
 
@@ -159,7 +159,10 @@ class Shown(Answer):
         return show_page(path, [shown])
 
 
-def _restored(cls: type, values: dict[str, object]) -> Any:
+T = TypeVar("T")
+
+
+def _restored(cls: Callable[..., T], values: dict[str, object]) -> T:
     return cls(**values)
 
 

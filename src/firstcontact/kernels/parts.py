@@ -131,7 +131,7 @@ def _no_wrapper(*_: object, **__: object) -> None:
     pass
 
 
-def _nothing_to_call(library: Part, fndesc: Any, env: Any) -> object:
+def _nothing_to_call(library: Part, fndesc: object, env: object) -> object:
     """What stands for the part where Numba looks up kernels by what Python calls."""
     library._ensure_finalized()
     return object()

@@ -486,13 +486,14 @@ class _Answer:
         return any(not overlap(Pair(*pair, piece), piece.u_lo) for pair in pairs)
 
 
-def _standing(body: Body, t: fmpq) -> Any:
+def _standing(body: Body, t: fmpq) -> Moving | None:
     """The body under a motion that keeps it in its pose at time t; None where that is not rational."""
     there = placement_at(body, t)
     if not there.is_exact:
         return None
     pose = [[fraction(x) for x in row] for row in there.matrix()]
-    return shape_of(body).moving(RationalMotion([[*pose, [0, 0, 0, 1]]]))
+    standing: Moving = shape_of(body).moving(RationalMotion([[*pose, [0, 0, 0, 1]]]))
+    return standing
 
 
 def _is_screw(body: Body) -> bool:
