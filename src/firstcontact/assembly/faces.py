@@ -146,7 +146,7 @@ class Mesh:
             return 0
         centre = [(x + 2 * y + 4 * z) / 7 for x, y, z in zip(*map(self.point, self.corners(triangle)), strict=True)]
         axis = next(k for k in range(3) if plane.normal[k])
-        ahead = contains(self.stands, tree_of(self.stands), tuple(centre), axis, (triangle,))  # type: ignore[arg-type]
+        ahead = contains(self.stands, tree_of(self.stands), tuple(centre), axis, (triangle,))
         return sign(plane.normal[axis]) * (1 if ahead else -1)
 
     def star(self, facet: frozenset[int], plane: Plane, side: int) -> frozenset[int]:

@@ -11,7 +11,7 @@ import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import CodeType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from llvmlite import binding
 from numba.core.codegen import JITCodeLibrary
@@ -19,6 +19,9 @@ from numba.core.compiler import Compiler, CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.typed_passes import NopythonRewrites
 from numba.core.untyped_passes import InlineClosureLikes
+
+if TYPE_CHECKING:
+    from numba.core.compiler_machinery import PassManager
 
 _begun: list[Dispatcher] = []
 """Kernels being compiled, each called by the one before it; under Numba's lock."""
@@ -86,7 +89,7 @@ class PartOrWhole(Compiler):  # type: ignore[misc]
             self.state.targetctx.get_executable = _nothing_to_call
 
 
-    def define_pipelines(self) -> list[Any]:
+    def define_pipelines(self) -> list[PassManager]:
         """Numba's, without steps that change nothing in a function that has no other in it and no array expressions."""
         (steps,) = super().define_pipelines()
         if not any(isinstance(constant, CodeType) for constant in self.state.func_id.code.co_consts):
