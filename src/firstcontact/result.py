@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from firstcontact.body.kinds import Body
-    from firstcontact.view.html import Frame
+    from firstcontact.view.html import NotebookFrame
 
 TOLD_CORRECTION = 1e-9
 """Of rounded poses: from that on the text of an answer tells it."""
@@ -151,7 +151,7 @@ class Shown(Answer):
 
     __slots__ = ()
 
-    def show(self, path: str | None = None) -> Path | Frame:
+    def show(self, path: str | None = None) -> Path | NotebookFrame:
         """Write the page that shows this result; without a path show it in the notebook, or in the browser."""
         from firstcontact.view.html import show_page
 

@@ -216,7 +216,7 @@ class _TimesTable(_AnswerTable):
         }
 
 
-class JointTable(Table):
+class JointValueTable(Table):
     name: StrictStr
     value: Double
     interval: Doubles
@@ -241,7 +241,7 @@ class FirstTable(_TimesTable):
     contact_points: Triples | None = None
     allowed: StrictStr | None = None
     subproblems: list[SubproblemTable] = []
-    joints: list[JointTable] = []
+    joints: list[JointValueTable] = []
 
     def build(self) -> FirstContact:
         kind, points = self.contact_set, self.contact_points
@@ -350,7 +350,7 @@ class PlaceTable(Table):
     ends: StrictInt
 
 
-class CurveTable(_AnswerTable):
+class IntersectionCurveTable(_AnswerTable):
     a: StrictStr
     b: StrictStr
     branches: list[BranchTable]

@@ -127,7 +127,7 @@ class _Sheet:
 class _Joints(Joints):
     """All nodes on a side that is a point are one; at nodes that `is_stop` names, every edge ends for itself."""
 
-    def __init__(self, found: _Found, graph: Graph, sheet: _Sheet, is_stop: Callable[[Node], bool]) -> None:
+    def __init__(self, found: _SheetParts, graph: Graph, sheet: _Sheet, is_stop: Callable[[Node], bool]) -> None:
         super().__init__(found, graph, sheet)
         self.sheet, self.is_stop = sheet, cache(lambda index: is_stop(graph.nodes[index]))
         self.first: dict[int, int] = {}
@@ -149,7 +149,7 @@ def _combined(weights: Sequence[fmpq], values: Sequence[fmpz_mpoly]) -> fmpz_mpo
     return sum(((c * below).p * x for c, x in zip(weights, values, strict=True)), values[0] - values[0])
 
 
-class _Found(Parts):
+class _SheetParts(Parts):
     """v: the range of the second parameter, which is the place r on the ruling; rulings are bounded, points finite."""
 
     v, finite = UNIT, True
@@ -254,7 +254,7 @@ class SheetCurve:
             if piece.u is not None or not self._special_at_infinity(surfaces):
                 break
         self.drawn, self.cutting = self.forms[:drawn], self.forms[drawn:]
-        self.found = _Found(self.piece, self.clip, tolerance, first)
+        self.found = _SheetParts(self.piece, self.clip, tolerance, first)
 
     def is_part(self, where: Node | Edge, joints: Joints) -> bool:
         """Of an open edge or a node."""
