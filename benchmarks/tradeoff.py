@@ -18,7 +18,12 @@ from typing import Any
 import numpy as np
 
 from firstcontact import examples
-from firstcontact.contact.polyhedra.composed_problem import Composed, Frame, rotation_groups, translation_groups
+from firstcontact.contact.polyhedra.problems.composed_problem import (
+    Composed,
+    Frame,
+    rotation_groups,
+    translation_groups,
+)
 from firstcontact.search.lifted.lifted_elements import Elements, edges_of
 from firstcontact.search.trees.frame import frame_of, view_in
 from firstcontact.search.trees.state import BEST, CANDIDATES, DONE, STACK, TESTS, VISITS, WalkState

@@ -8,7 +8,7 @@ import pytest
 import firstcontact as fc
 from agreement import same_answer
 from amount import amount
-from firstcontact.contact.polyhedra.composed_problem import Frame, plan_of, rotation_groups, translation_groups
+from firstcontact.contact.polyhedra.problems.composed_problem import Frame, plan_of, rotation_groups, translation_groups
 from firstcontact.search.levels.composed import FORM, NEXT, WAY
 from firstcontact.search.lifted.lifted_elements import edges_of
 from firstcontact.search.trees.frame import tree_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import firstcontact as fc
-from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
+from firstcontact.contact.polyhedra.problems.enclosed_problem import EnclosedProblem
 from firstcontact.work import WORTH
 
 BOX = fc.examples.box((1, 1, 1))

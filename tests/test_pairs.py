@@ -11,7 +11,7 @@ from agreement import polyhedron, question, reference_motion, small_scenes
 from amount import amount
 from firstcontact.contact.polyhedra.answers import element_pairs
 from firstcontact.contact.polyhedra.earliest import all_pairs
-from firstcontact.contact.polyhedra.problem import problems_in_order
+from firstcontact.contact.polyhedra.problems.problem import problems_in_order
 from firstcontact.motion.relative.pieces import pieces
 from firstcontact.motion.span import common_span
 from generators import Scene, lattice_scene

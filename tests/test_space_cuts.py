@@ -12,7 +12,7 @@ import naive
 from agreement import assert_same_first_contact, same_answer, small_scenes
 from amount import amount
 from firstcontact import examples
-from firstcontact.contact.polyhedra import lifted_problem
+from firstcontact.contact.polyhedra.problems import lifted_problem
 from firstcontact.search.lifted.halving import room_for
 from generators import FAMILIES, Scene, to_tangent
 from test_vectors import ask, expected_time

@@ -8,9 +8,9 @@ import pytest
 import firstcontact as fc
 from amount import amount
 from curved import pose, random_body
-from firstcontact.contact.polyhedra.curved_problem import CurvedProblem
-from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
-from firstcontact.contact.polyhedra.rational_problem import RationalProblem
+from firstcontact.contact.polyhedra.problems.curved_problem import CurvedProblem
+from firstcontact.contact.polyhedra.problems.enclosed_problem import EnclosedProblem
+from firstcontact.contact.polyhedra.problems.rational_problem import RationalProblem
 from firstcontact.motion.relative import cells
 
 BOX = fc.examples.box((1, 1, 1)).rotated((1, 2, 3), degrees=25)

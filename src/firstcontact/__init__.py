@@ -8,7 +8,7 @@
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from firstcontact import brackets as brackets
@@ -143,7 +143,7 @@ _MODULES = ("brackets", "examples")
 __all__ = [*_HOME, *_MODULES, "__version__"]  # noqa: PLE0604
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name in _HOME:
         value = getattr(import_module(f"firstcontact.{_HOME[name]}"), name)
     elif name in _MODULES:

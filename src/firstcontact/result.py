@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING, Any, Self, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, Self, TypeAlias, TypedDict, TypeVar, overload
 
 import numpy as np
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from firstcontact.body.kinds import Body
-    from firstcontact.view.html import Frame
+    from firstcontact.view.html import NotebookFrame
 
 TOLD_CORRECTION = 1e-9
 """Of rounded poses: from that on the text of an answer tells it."""
@@ -151,7 +151,7 @@ class Shown(Answer):
 
     __slots__ = ()
 
-    def show(self, path: str | None = None) -> Path | Frame:
+    def show(self, path: str | None = None) -> Path | NotebookFrame:
         """Write the page that shows this result; without a path show it in the notebook, or in the browser."""
         from firstcontact.view.html import show_page
 
@@ -159,7 +159,10 @@ class Shown(Answer):
         return show_page(path, [shown])
 
 
-def _restored(cls: type, values: dict[str, object]) -> Any:
+T = TypeVar("T")
+
+
+def _restored(cls: Callable[..., T], values: dict[str, object]) -> T:
     return cls(**values)
 
 
@@ -174,7 +177,7 @@ class _Deferring(_NoTruth):
     _rest: Callable[[], dict[str, Any]]
 
     @classmethod
-    def deferring(cls, known: dict[str, Any], rest: Callable[[], dict[str, Any]]) -> Self:
+    def deferring(cls, known: dict[str, object], rest: Callable[[], dict[str, object]]) -> Self:
         """The record with the fields `known`; `rest` gives all others."""
         record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
         put["_rest"](record, rest)
@@ -501,6 +504,25 @@ class Subproblem:
             "candidates": [x.to_dict() for x in self.candidates],
             "reason": self.reason,
         }
+
+
+class ContactFields(TypedDict, total=False):
+    """Fields of a FirstContact, but for its status, its bodies and the work."""
+
+    time: float | None
+    time_interval: tuple[float, float] | None
+    time_exact: ExactTime | None
+    point: np.ndarray | None
+    normal: np.ndarray | None
+    element_a: Element | None
+    element_b: Element | None
+    others: tuple[ElementPair, ...]
+    multiplicity: int
+    contact_set: str | None
+    initial: str | None
+    free_until: float | None
+    reason: str | None
+    subproblems: tuple[Subproblem, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)  # arrays have no single truth: see `Answer`

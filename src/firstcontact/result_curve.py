@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from firstcontact.result import Table
-    from firstcontact.view.html import Frame
+    from firstcontact.view.html import NotebookFrame
 
 ExactParameter = Fraction | AlgebraicNumber | float
 """A parameter of a ruling: the number itself, or math.inf for the ruling at infinity."""
@@ -327,7 +327,7 @@ class IntersectionCurve(Answer):
             "stats": self.stats.to_dict(),
         }
 
-    def show(self, path: str | None = None) -> Path | Frame:
+    def show(self, path: str | None = None) -> Path | NotebookFrame:
         """Write the page of the surfaces and their curve; without a path show it in the notebook, or in the browser."""
         from firstcontact.view.html import show_page
 

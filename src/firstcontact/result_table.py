@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
 import numpy as np
 
@@ -79,8 +79,9 @@ class Rows:
         self.array["status"][where] = STATUSES.index("FREE")
         self.array["free_until"][where] = ends
 
-    def fill(self, row: int, found: Any) -> None:
+    def fill(self, row: int, found: FirstContact | ContactIntervals) -> None:
         """Write one answer into its row; where it is waits, of some, until it is asked for."""
+        assert isinstance(found, FirstContact)
         record = self.array[row]
         self._fill_shared(record, found)
         record["initial"] = INITIALS.index(found.initial or "")
@@ -151,7 +152,8 @@ class IntervalRows(Rows):
         super().__init__(n)
         self.found: dict[int, np.ndarray] = {}
 
-    def fill(self, row: int, found: Any) -> None:
+    def fill(self, row: int, found: FirstContact | ContactIntervals) -> None:
+        assert isinstance(found, ContactIntervals)
         self._fill_shared(self.array[row], found)
         self.array["count"][row] = len(found)
         if len(found):

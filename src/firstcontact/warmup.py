@@ -28,7 +28,7 @@ from firstcontact.search.trees.crowding import crowding
 from firstcontact.search.trees.frame import tree_of
 from firstcontact.toolpath.blocks import Block
 from firstcontact.toolpath.check import Setup
-from firstcontact.toolpath.moves import Line
+from firstcontact.toolpath.moves import StraightMove
 from firstcontact.toolpath.tool import Tool
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ def _capsule() -> CompositeQuadric:
 
 def _of_tool_paths() -> Iterator[tuple[str, Question]]:
     tool = Tool([("mill", "cutter", "1/2", 1)])
-    ways = Line("rapid", vector3((5, 5, 5), "start"), vector3((5, 5, 4), "end")), Line(
+    ways = StraightMove("rapid", vector3((5, 5, 5), "start"), vector3((5, 5, 4), "end")), StraightMove(
         "feed", vector3((0.5, 0.5, 0.75), "start"), vector3((0.5, 0.5, 0.25), "end")
     )
     blocks = [Block(k, "", (way,)) for k, way in enumerate(ways)]

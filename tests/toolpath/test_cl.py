@@ -4,7 +4,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.exact.numbers import to_double
-from firstcontact.toolpath.moves import Line, Swing
+from firstcontact.toolpath.moves import StraightMove, Swing
 
 
 def blocks_of(tmp_path, text, **given):
@@ -24,7 +24,7 @@ def test_words_are_those_written_by_hand(tmp_path):
     ends = [tuple(map(to_double, x.stretches[0].end)) for x in blocks]
     assert ends == [(1, 2, 50), (1, 2, -3.5), (1, 2, 6.5), (1, 2, 60), (1, 2, 60), (5, 2, 60)]
     assert [x.stretches[0].kind for x in blocks] == ["rapid", "feed", "feed", "back", "feed", "feed"]
-    assert [type(x.stretches[0]) for x in blocks] == [Line] * 4 + [Swing] * 2
+    assert [type(x.stretches[0]) for x in blocks] == [StraightMove] * 4 + [Swing] * 2
 
 
 FAULTS = {

@@ -9,7 +9,7 @@ import firstcontact as fc
 from firstcontact.kernels.workspace import workspace
 from firstcontact.search.trees.frame import tree_of
 from firstcontact.toolpath.check import Setup
-from firstcontact.toolpath.moves import Line, Swing
+from firstcontact.toolpath.moves import StraightMove, Swing
 from firstcontact.toolpath.rules import Allowed
 from firstcontact.toolpath.walk import APART, INSIDE, OPEN, told_of_rows
 
@@ -221,7 +221,7 @@ def random_ways(rng, count):
     for k in range(count):
         start, end = rng.normal(size=3) * 1.6, rng.normal(size=3) * 0.4
         if k % 2:
-            yield Line("feed", exact(start), exact(start + end))
+            yield StraightMove("feed", exact(start), exact(start + end))
         else:
             u = rng.normal(size=3)
             yield Swing("feed", exact(start), exact(start + end), exact(4 * u), exact(4 * u + 0.6 * rng.normal(size=3)))
@@ -271,7 +271,7 @@ def test_places_hold_all_between():
     """Points of the tool at times between two places stray from the line between theirs by no more than is told."""
     rng = np.random.default_rng(2)
     for way in random_ways(rng, 60):
-        if isinstance(way, Line):
+        if isinstance(way, StraightMove):
             continue
         places = way.places(0.05, 2.0)
         u, v = (np.array([float(c.p) / float(c.q) for c in x]) for x in (way.axis0, way.axis1))

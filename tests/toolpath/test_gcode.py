@@ -8,7 +8,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.exact.numbers import to_double
-from firstcontact.toolpath.moves import Arc, Bow, Line
+from firstcontact.toolpath.moves import ArcMove, Bow, StraightMove
 
 
 def blocks_of(tmp_path, text, start=(0, 0, 50), unit="mm"):
@@ -75,7 +75,7 @@ def test_ways_join(tmp_path):
         at = None
         for block in blocks_of(tmp_path, text):
             for way in block.stretches:
-                assert isinstance(way, Line) and at in (None, way.start)
+                assert isinstance(way, StraightMove) and at in (None, way.start)
                 at = way.end
 
 
@@ -108,7 +108,7 @@ ARCS = {
 def test_arcs(tmp_path, text, centre, radius, degrees, advance):
     (block,) = blocks_of(tmp_path, text, start=(5, 0, 0))
     (arc,) = block.stretches
-    assert isinstance(arc, Arc) and arc.kind == "feed"
+    assert isinstance(arc, ArcMove) and arc.kind == "feed"
     assert [to_double(x) for x in arc.centre[:2]] == pytest.approx(centre, abs=1e-15)
     assert (arc.radius, math.degrees(arc.angle)) == pytest.approx((radius, degrees))
     assert arc.tip(0.0) == pytest.approx((5, 0, 0)) and arc.deviation < 1e-14

@@ -11,8 +11,8 @@ from flint import arb, fmpq
 import firstcontact as fc
 from amount import amount
 from curved import pose, random_body, rational_turn
-from firstcontact.contact.polyhedra.enclosed_problem import corners_as_doubles
-from firstcontact.contact.polyhedra.problem import problem_of
+from firstcontact.contact.polyhedra.problems.enclosed_problem import corners_as_doubles
+from firstcontact.contact.polyhedra.problems.problem import problem_of
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.linkage import Drive, Linkage
 from firstcontact.motion.relative import cells

@@ -22,7 +22,7 @@ import numpy as np
 
 from firstcontact import query
 from firstcontact.assembly.kept import generators, is_kept, standing
-from firstcontact.assembly.new_contact import Asking, Lasts, after_start, earliest, renamed
+from firstcontact.assembly.new_contact import Lasts, NewContactQuery, after_start, earliest, renamed
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import Plane, Rows, doubles, upright
 from firstcontact.exact.numbers import fraction, sign
@@ -44,7 +44,7 @@ ROUNDING = 1e-12
 """Of the coordinates: how far doubles may have points of a plane from it."""
 
 
-def by_faces(a: Body, b: Body, asking: Asking) -> FirstContact | None:
+def by_faces(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
     """None for other bodies, and where too many triangles touch.  Raises Lasts."""
     if not all(isinstance(shape_of(x), Polyhedron) and len(shape_of(x).triangles) for x in (a, b)):
         return None
@@ -146,7 +146,7 @@ class Mesh:
             return 0
         centre = [(x + 2 * y + 4 * z) / 7 for x, y, z in zip(*map(self.point, self.corners(triangle)), strict=True)]
         axis = next(k for k in range(3) if plane.normal[k])
-        ahead = contains(self.stands, tree_of(self.stands), tuple(centre), axis, (triangle,))  # type: ignore[arg-type]
+        ahead = contains(self.stands, tree_of(self.stands), tuple(centre), axis, (triangle,))
         return sign(plane.normal[axis]) * (1 if ahead else -1)
 
     def star(self, facet: frozenset[int], plane: Plane, side: int) -> frozenset[int]:
@@ -227,7 +227,7 @@ def _edges(corners: Sequence[int]) -> Iterator[tuple[int, int]]:
     return iter((_edge(p, q), _edge(q, r), _edge(r, p)))
 
 
-def _met_at_start(sides: tuple[Mesh, Mesh], asking: Asking) -> set[tuple[int, int]] | None:
+def _met_at_start(sides: tuple[Mesh, Mesh], asking: NewContactQuery) -> set[tuple[int, int]] | None:
     """Pairs of triangles, among them all that share a point at the start; None of sheets that pierce each other."""
     first, _ = asking.span
     found = query.contact_pairs(sides[0].body, sides[1].body, (first, first))
@@ -274,7 +274,7 @@ def _stars(sides: tuple[Mesh, Mesh], met: set[tuple[int, int]], by: list[Rows] |
 
 
 def _apart_at_start(
-    sides: tuple[Mesh, Mesh], stars: list[Star], alone: set[tuple[int, int]], asking: Asking
+    sides: tuple[Mesh, Mesh], stars: list[Star], alone: set[tuple[int, int]], asking: NewContactQuery
 ) -> Iterator[FirstContact]:
     """First contacts of all pairs of triangles that are neither in one star nor alone."""
     partners = defaultdict(set)
@@ -291,7 +291,7 @@ def _apart_at_start(
             yield renamed(asking.first_contact(part.body, other.body), part.element, other.element)
 
 
-def _after_start(x: Part, y: Part, asking: Asking) -> list[FirstContact]:
+def _after_start(x: Part, y: Part, asking: NewContactQuery) -> list[FirstContact]:
     """New contacts of two triangles that may touch at the start.  Raises Lasts."""
     try:
         return [renamed(after_start(x.body, y.body, asking), x.element, y.element)]

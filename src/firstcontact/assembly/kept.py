@@ -56,7 +56,8 @@ def standing(body: Body, time: fmpq) -> Shape | None:
     pose = step.pose(time)
     if not pose.is_exact:
         return None
-    return body.body._mapped(pose.matrix()) if pose.factors else body.body
+    placed: Shape = body.body._mapped(pose.matrix()) if pose.factors else body.body
+    return placed
 
 
 def _of_motion(motion: Single) -> list[Rows] | None:

@@ -38,7 +38,7 @@ LASTING = "contact"
 
 
 @dataclass(frozen=True)
-class Asking:
+class NewContactQuery:
     """The verbs' arguments for every question about two bodies, or parts of them, from `first` to `last` (or None).
 
     is_apart: whether it is known that their interiors do not meet at the start.
@@ -77,7 +77,7 @@ class Lasts(Exception):
     """Contact lasts from the start on."""
 
 
-Way: TypeAlias = "Callable[[Body, Body, Asking], FirstContact | None]"
+Way: TypeAlias = "Callable[[Body, Body, NewContactQuery], FirstContact | None]"
 """The first new contact of bodies that touch at the start; None where this way does not tell."""
 
 
@@ -114,7 +114,7 @@ def first_new_contact(
         return first
     from firstcontact.contact.mesh_model import as_polyhedra  # loads what solids need
 
-    asking = Asking(*common_span(first.a, first.b, span), arguments, first.initial is not None)
+    asking = NewContactQuery(*common_span(first.a, first.b, span), arguments, first.initial is not None)
     if as_polyhedra.are_taken(first.a, first.b):
         meshes = as_polyhedra.as_polyhedron(first.a), as_polyhedra.as_polyhedron(first.b)
         found = as_polyhedra.in_own_elements(_new_contact(*meshes, asking), first.a, first.b)
@@ -129,7 +129,7 @@ def first_new_contact(
     )  # fmt: skip
 
 
-def _new_contact(a: Body, b: Body, asking: Asking) -> FirstContact:
+def _new_contact(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
     """All at once, or step by step: what touches as a step begins is old, where there was no new contact before."""
     found = _at_once(a, b, asking)
     ends = step_ends((a, b), asking.first, asking.last)
@@ -149,12 +149,12 @@ def _new_contact(a: Body, b: Body, asking: Asking) -> FirstContact:
     return found
 
 
-def _at_once(a: Body, b: Body, asking: Asking) -> FirstContact:
+def _at_once(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
     from firstcontact.assembly.faces import by_faces
     from firstcontact.assembly.parts import by_parts
     from firstcontact.assembly.pieces import by_pieces
 
-    def of_pieces(a: Body, b: Body, asking: Asking) -> FirstContact | None:
+    def of_pieces(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
         return by_pieces(a, b, asking, _at_once)
 
     ways: list[Way] = [of_pieces, by_parts, after_start]
@@ -170,7 +170,7 @@ def _at_once(a: Body, b: Body, asking: Asking) -> FirstContact:
     return asking.undecided(LASTING)
 
 
-def after_start(a: Body, b: Body, asking: Asking) -> FirstContact:
+def after_start(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
     """The first contact of bodies whose contact at the start, if any, ends at once.  Raises Lasts where it does not."""
     found, k, begin = asking.intervals(a, b), 0, asking.start
     if len(found) and found[0].start_interval[0] <= begin:
@@ -190,7 +190,7 @@ def after_start(a: Body, b: Body, asking: Asking) -> FirstContact:
     return asking.first_contact(a, b, fraction(free))
 
 
-def _lasting(a: Body, b: Body, asking: Asking) -> FirstContact:
+def _lasting(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
     """A new contact at once, where the bodies overlap soon after the start; else it is open."""
     length = exact_value(1.0) if asking.last is None else asking.last - asking.first
     soon = to_double(asking.first + length * exact_value(min(asking.arguments["tolerance"], 1e-12)))
@@ -222,7 +222,7 @@ def renamed(found: FirstContact, name_a: Name, name_b: Name) -> FirstContact:
     )  # fmt: skip
 
 
-def earliest(found: list[FirstContact], asking: Asking) -> FirstContact:
+def earliest(found: list[FirstContact], asking: NewContactQuery) -> FirstContact:
     """Of answers about parts that together are the bodies, the one for all of them."""
     contacts = [x for x in found if x.time_interval is not None]
     open_ones = [x for x in found if x.status is Status.UNDECIDED]

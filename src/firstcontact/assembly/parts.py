@@ -13,7 +13,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from firstcontact.assembly.kept import generators, is_kept, standing
-from firstcontact.assembly.new_contact import Asking, after_start, earliest, renamed
+from firstcontact.assembly.new_contact import NewContactQuery, after_start, earliest, renamed
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import Plane, Rows, Surface
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
@@ -58,7 +58,7 @@ class Part:
         return named(self.whole, feature, element.body)
 
 
-def by_parts(a: Body, b: Body, asking: Asking) -> FirstContact | None:
+def by_parts(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
     """None for other bodies and motions, and where there are too many parts.  Raises Lasts."""
     by = generators((a, b), asking.first, asking.last)
     stands = [standing(x, asking.first) for x in (a, b)]

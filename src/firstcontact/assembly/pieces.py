@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from firstcontact.assembly.new_contact import Asking, Name, Way, earliest, renamed
+from firstcontact.assembly.new_contact import Name, NewContactQuery, Way, earliest, renamed
 from firstcontact.body.compound.compound import Compound
 from firstcontact.body.kinds import Body
 from firstcontact.contact.compound.windows import Side, side_of
@@ -22,7 +22,7 @@ MOST_TOUCHING = 50
 """Pairs of pieces that touch at the start; each is looked at by itself."""
 
 
-def by_pieces(a: Body, b: Body, asking: Asking, at_once: Way) -> FirstContact | None:
+def by_pieces(a: Body, b: Body, asking: NewContactQuery, at_once: Way) -> FirstContact | None:
     """None of bodies without pieces, and where too many touch; at_once: answers of two pieces that touch."""
     if not any(isinstance(shape_of(x), Compound) for x in (a, b)):
         return None

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Asked:
+class PairQuestion:
     """A question about two bodies of an assembly, and the rule that lets them touch, if any."""
 
     question: Question
@@ -27,7 +27,7 @@ class Asked:
     @classmethod
     def of(
         cls, verb: str, bodies: Mapping[str, Body], a: str, b: str, arguments: CheckArguments, rules: Sequence[Rule]
-    ) -> Asked:
+    ) -> PairQuestion:
         rule = rule_for(rules, a, b) if verb == "first_contact" else None
         if rule is None:
             return cls(Question(verb, bodies[a], bodies[b], arguments), None)
@@ -36,7 +36,7 @@ class Asked:
 
 
 def answers(
-    asked: Sequence[Asked], begin: Callable[[int], None], report: Progress | None, workers: int
+    asked: Sequence[PairQuestion], begin: Callable[[int], None], report: Progress | None, workers: int
 ) -> Iterator[Any]:
     """The answers in order, by swept boxes, here, or by processes; begin: told of each question as it is taken up."""
     questions = [x.question for x in asked]

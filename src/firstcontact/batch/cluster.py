@@ -59,7 +59,7 @@ class Cluster(Elsewhere):
             self._place()
 
 
-def _tell(told: Future[tuple[Rows, float]], part: distributed.Future) -> None:
+def _tell(told: Future[tuple[Rows, float]], part: distributed.Future[tuple[Rows, float]]) -> None:
     """How a part ended, unless nobody asks any longer."""
     if not told.set_running_or_notify_cancel():
         return

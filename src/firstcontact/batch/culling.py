@@ -69,7 +69,8 @@ def _padded(lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
     box = np.concatenate([lo, hi])
     finite = np.abs(box[np.isfinite(box)])
     pad = ROUNDING * finite.max(initial=0.0) + 1e-300
-    return box + np.repeat([-pad, pad], 3)
+    padded: np.ndarray = box + np.repeat([-pad, pad], 3)
+    return padded
 
 
 def _apart(boxes: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -130,7 +130,7 @@ def _json_lines(path: Path, begin: int) -> Iterator[Table]:
 def _json_rows(path: Path, begin: int, lines: list[str]) -> list[dict[str, Json]]:
     """Read together, which is quicker, if they are what they should be."""
     try:
-        rows = json.loads(f"[{','.join(lines)}]")
+        rows: list[dict[str, Json]] = json.loads(f"[{','.join(lines)}]")
     except (ValueError, RecursionError):
         rows = []
     if len(rows) == len(lines) and all(isinstance(row, dict) for row in rows):

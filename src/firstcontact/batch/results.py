@@ -36,7 +36,8 @@ class Question:
     """Where the verb is."""
 
     def asked(self, a: Body, b: Body, **more: Unpack[Arguments]) -> Answer:
-        return getattr(import_module(self.module), self.verb)(a, b, **self.arguments, **more)
+        found: Answer = getattr(import_module(self.module), self.verb)(a, b, **self.arguments, **more)
+        return found
 
 
 def told_by_boxes(questions: Sequence[Question]) -> dict[int, Answer]:

@@ -118,7 +118,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
     scene = given_scene(files, options.move, options.turn, options.about, options.degrees)
     refuse_single(scene.path, scene.checks)
     from firstcontact.assembly.resting import moves
-    from firstcontact.assembly.together import Asked, answers
+    from firstcontact.assembly.together import PairQuestion, answers
     from firstcontact.batch.workers import cores
 
     if not any(moves(scene.bodies[key]) for check in scene.checks for key in (check.a, check.b)):
@@ -131,7 +131,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
         arguments: CheckArguments = {**check.arguments(), "exact": check.exact or options.exact}
         if span is not None:
             arguments["span"] = span
-        asked.append(Asked.of(verb_name, scene.bodies, check.a, check.b, arguments, scene.allow))
+        asked.append(PairQuestion.of(verb_name, scene.bodies, check.a, check.b, arguments, scene.allow))
 
     def given(progress: Progress) -> Iterator[Result]:
         def begin(k: int) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -96,8 +96,10 @@ def _brief(scene: Scene) -> list[str]:
     return [*lines, f"  from ({point(lo)}) to ({point(hi)})"]
 
 
-def _sort(body: Any) -> str:
-    if body.kind == "Polyhedron":
+def _sort(body: Shape) -> str:
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
+
+    if isinstance(body, Polyhedron):
         return f"of meshes, {mesh_kind(body)}"
     return {"CompositeQuadric": "of planes and quadrics", "RuledSurface": "of ruled surfaces"}.get(body.kind, body.kind)
 

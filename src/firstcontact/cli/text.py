@@ -40,7 +40,7 @@ def summary(results: Sequence[Any], scene: Scene) -> str:
     return "\n".join(_lines(results, scene))
 
 
-def _lines(results: Sequence[Any], scene: Scene) -> Iterator[str]:
+def _lines(results: Sequence[FirstContact | ContactIntervals], scene: Scene) -> Iterator[str]:
     from firstcontact.assembly.together import verdict
     from firstcontact.assembly.words import reading
 
@@ -57,10 +57,10 @@ def _lines(results: Sequence[Any], scene: Scene) -> Iterator[str]:
     undecided = [r for r, kind in zip(results, kinds, strict=True) if kind == "UNDECIDED"]
     yield from (f"undecided: {_pair(r)}, free until {r.free_until:.9g} ({r.reason})" for r in undecided[:MOST_OPEN])
     yield from _more(len(undecided) - MOST_OPEN, "undecided")
-    allowed = defaultdict(list)
+    allowed: dict[str, list[FirstContact | ContactIntervals]] = defaultdict(list)
     for result in results:
-        if getattr(result, "allowed", None) is not None:
-            allowed[result.allowed].append(result)
+        if (why := getattr(result, "allowed", None)) is not None:
+            allowed[why].append(result)
     for why, pairs in list(allowed.items())[:MOST_ALLOWED]:
         names = ", ".join(map(_pair, pairs[:MOST_NAMED])) + ", ..." * (len(pairs) > MOST_NAMED)
         yield f"allowed: {_count(len(pairs), 'pair')} {why}: {names}"
@@ -72,22 +72,28 @@ def _more(n: int, what: str) -> Iterator[str]:
         yield f"  and {n:,} more {what}: --all"
 
 
-def _when(result: Any) -> float:
-    time: float = result[0].start if hasattr(result, "intervals") else result.time
+def _when(result: FirstContact | ContactIntervals) -> float:
+    from firstcontact.result import ContactIntervals
+
+    time = result[0].start if isinstance(result, ContactIntervals) else result.time
+    assert time is not None  # it is in contact
     return time
 
 
-def _contact(result: Any, unit: str) -> str:
+def _contact(result: FirstContact | ContactIntervals, unit: str) -> str:
     """One line; how far the bodies have moved is told where one of them rests."""
     from firstcontact.assembly.resting import moves
     from firstcontact.assembly.words import progress
+    from firstcontact.result import ContactIntervals
 
     done = "" if moves(result.a) and moves(result.b) else progress(result, unit)
-    if hasattr(result, "intervals"):
+    if isinstance(result, ContactIntervals):
         spans = ", ".join(f"[{x.start:.9g}, {x.end:.9g}]" for x in result[:MOST_NAMED])
         return "; ".join(x for x in (f"  {_pair(result)}: {spans}{', ...' * (len(result) > MOST_NAMED)}", done) if x)
     where = "" if result.point is None else " at ({:.6g}, {:.6g}, {:.6g})".format(*result.point)
-    met = "" if result.element_a is None else f"{_short(result.element_a)} meets {_short(result.element_b)}{where}"
+    met = ""
+    if result.element_a is not None and result.element_b is not None:
+        met = f"{_short(result.element_a)} meets {_short(result.element_b)}{where}"
     how = f"{result.initial} at the start" if result.initial else done
     return "; ".join(x for x in (f"  {result.time:<12.9g} {_pair(result)}", how, met) if x)
 

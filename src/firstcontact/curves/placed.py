@@ -35,7 +35,7 @@ Search: TypeAlias = "Callable[[Any, Any, float, Box | None], CurveFields]"
 
 
 @dataclass(frozen=True)
-class Placing:
+class Rescaling:
     """x -> factor (x + by)."""
 
     factor: fmpq
@@ -66,7 +66,7 @@ def searched(search: Search, p: Shape, q: Shape, tolerance: float, box: Box | No
     return restored(fields, placing, box)
 
 
-def _placing(bodies: Sequence[Shape]) -> Placing | None:
+def _placing(bodies: Sequence[Shape]) -> Rescaling | None:
     """None where the scene stays as it is."""
     corners = [_corners(body) for body in bodies]
     by = _shift(corners)
@@ -74,7 +74,7 @@ def _placing(bodies: Sequence[Shape]) -> Placing | None:
     reach = [np.abs(np.array(own) + moved).max() for own in corners if np.isfinite(own).all()]
     size = float(max(reach, default=0.0))
     factor = fmpq(1) if SMALL <= size <= LARGE or size == 0.0 else fmpq(2) ** -math.frexp(size)[1]
-    return None if factor == 1 and not any(by) else Placing(factor, by)
+    return None if factor == 1 and not any(by) else Rescaling(factor, by)
 
 
 def _shift(corners: Sequence[Corners]) -> Vector:
@@ -113,7 +113,7 @@ def _points(piece: Any) -> np.ndarray:
     return finite
 
 
-def restored(fields: CurveFields, placing: Placing, box: Box | None) -> CurveFields:
+def restored(fields: CurveFields, placing: Rescaling, box: Box | None) -> CurveFields:
     """The fields of IntersectionCurve for the scene as it was, from those of the placed one; box: as it was."""
     back = placing.back
     names = {} if box is None else {

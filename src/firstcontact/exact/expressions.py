@@ -59,7 +59,7 @@ def read_tuple(text: str, variables: tuple[str, ...], what: str) -> list[Ratio]:
     """
     text, tree = _parsed(text, what)
     nodes = tree.elts if isinstance(tree, ast.Tuple | ast.List) else [tree]
-    reader = _Reader(text, variables, what)
+    reader = _Parser(text, variables, what)
     return [reader.read(node) for node in nodes]
 
 
@@ -72,7 +72,7 @@ def read_inequalities(text: str, variables: tuple[str, ...], what: str) -> list[
     text, tree = _parsed(text, what)
     if not isinstance(tree, ast.Compare):
         raise InputError(f"{what} {_shown(text)} is no inequality; write one such as \"u*s <= 1/2\"")
-    reader = _Reader(text, variables, what)
+    reader = _Parser(text, variables, what)
     sides = [reader.read(node) for node in (tree.left, *tree.comparators)]
     found = []
     for less, operator, greater in zip(sides, tree.ops, sides[1:], strict=False):
@@ -85,7 +85,7 @@ def read_inequalities(text: str, variables: tuple[str, ...], what: str) -> list[
     return found
 
 
-class _Reader:
+class _Parser:
     """Walks a syntax tree; `text` is what it was parsed from, for the digits of its numbers."""
 
     def __init__(self, text: str, variables: tuple[str, ...], what: str) -> None:

@@ -19,7 +19,7 @@ import types
 import uuid
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import llvmlite
 import numba
@@ -30,6 +30,9 @@ from numba.core.serialize import dumps
 
 from firstcontact.kernels.notices import announce
 from firstcontact.kernels.parts import Part, pieces_of, rebuilt, set_environments, within_another
+
+if TYPE_CHECKING:
+    from numba.core.types import Type
 
 _OWN = __name__.partition(".")[0] + "."
 
@@ -121,7 +124,7 @@ class KernelCache(_Cache):  # type: ignore[misc]
         except OSError:  # a folder that cannot be written to: compiled again in the next process
             begun.unlink(missing_ok=True)
 
-    def _file(self, folder: Path, sig: Any, triple: str, processor: Sequence[str]) -> Path:
+    def _file(self, folder: Path, sig: Sequence[Type], triple: str, processor: Sequence[str]) -> Path:
         arguments = dict(zip(self._kernel.py_func.__code__.co_varnames, sig, strict=False))
         system = triple.rstrip("0123456789.")  # without the release that macOS adds
         kernel = fingerprint(self._kernel, getattr(arguments.get("motion"), "ndim", 0))

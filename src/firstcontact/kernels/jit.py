@@ -102,7 +102,9 @@ def signals() -> Iterator[None]:
         raise cause from None
 
 
-def implements(function: Callable[..., Any], *dimensions: int, inlined: bool = False) -> Callable[..., Any]:
+def implements(
+    function: Callable[..., object], *dimensions: int, inlined: bool = False
+) -> Callable[[Callable[..., object]], Callable[..., object]]:
     """`numba.extending.overload` for what the type of an argument `motion` chooses: arrays of so many dimensions.
 
     A kernel that comes to such a function has a `motion` of its own, which is the one handed down.  inlined: as the
@@ -110,9 +112,9 @@ def implements(function: Callable[..., Any], *dimensions: int, inlined: bool = F
     """
     options: Any = {"forceinline": True} if inlined else {}
 
-    def register(choice: Callable[..., Any]) -> Callable[..., Any]:
+    def register(choice: Callable[..., object]) -> Callable[..., object]:
         for n in dimensions:
             IMPLEMENTATIONS[function, n] = choice, options
-        return cast("Callable[..., Any]", overload(function, jit_options=options)(choice))
+        return cast("Callable[..., object]", overload(function, jit_options=options)(choice))
 
     return register

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cached_property
 from types import CodeType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from llvmlite import binding
 from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
@@ -21,6 +21,9 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.environment import lookup_environment
 from numba.core.typed_passes import NopythonRewrites
 from numba.core.untyped_passes import InlineClosureLikes
+
+if TYPE_CHECKING:
+    from numba.core.compiler_machinery import PassManager
 
 _begun: list[Dispatcher] = []
 """Kernels being compiled, each called by the one before it; under Numba's lock."""
@@ -140,7 +143,7 @@ class PartOrWhole(Compiler):  # type: ignore[misc]
             self.state.targetctx.get_executable = _nothing_to_call
 
 
-    def define_pipelines(self) -> list[Any]:
+    def define_pipelines(self) -> list[PassManager]:
         """Numba's, without steps that change nothing in a function that has no other in it and no array expressions."""
         (steps,) = super().define_pipelines()
         if not any(isinstance(constant, CodeType) for constant in self.state.func_id.code.co_consts):
@@ -185,7 +188,7 @@ def _no_wrapper(*_: object, **__: object) -> None:
     pass
 
 
-def _nothing_to_call(library: Part, fndesc: Any, env: Any) -> object:
+def _nothing_to_call(library: Part, fndesc: object, env: object) -> object:
     """What stands for the part where Numba looks up kernels by what Python calls."""
     library._ensure_finalized()
     return object()

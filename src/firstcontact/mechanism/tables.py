@@ -6,7 +6,7 @@ import csv
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from flint import fmpq
@@ -121,7 +121,7 @@ def _json(path: Path) -> Columns:
         raise InputError(f"{path}: points of different lengths ({error}); give one number for each joint") from error
 
 
-def _time(value: Any) -> Any:
+def _time(value: Given | dict[str, Given]) -> Given:
     """Seconds, exactly: a number, or whole seconds and nanoseconds."""
     if not isinstance(value, dict):
         return value

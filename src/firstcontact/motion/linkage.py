@@ -21,6 +21,8 @@ from firstcontact.motion.value import Motion, numbers
 from firstcontact.result import JointValue
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from firstcontact.exact.numbers import Given
     from firstcontact.result import Table
 
@@ -257,7 +259,10 @@ def _rebuilt(times: Iterable[Given], rows: Iterable[tuple[Any, ...]]) -> Linkage
     return Linkage([rational(t, "time") for t in times], [drive(*row) for row in rows])
 
 
-def drive(name: str, unit: str, motion: Simple, values: Any, limits: Any, mimic: Any) -> Drive:
+def drive(
+    name: str, unit: str, motion: Simple, values: Iterable[Iterable[Given]], limits: Sequence[Given] | None,
+    mimic: tuple[str, Given, Given] | None,
+) -> Drive:  # fmt: skip
     """A drive of numbers of any kind."""
     return Drive(
         name, unit, motion, [tuple(rational(x, "values") for x in v) for v in values],

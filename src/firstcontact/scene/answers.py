@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 from pydantic import BeforeValidator, StrictBool, StrictInt, StrictStr
@@ -59,7 +59,11 @@ def _double(value: Json) -> float:
     return float(value)
 
 
-def _exact(text: Json) -> Fraction | AlgebraicNumber | tuple[Any, Any]:
+ReadExact: TypeAlias = "Fraction | AlgebraicNumber | tuple[ReadExact, ReadExact]"
+"""(cosine, sine) of an angle."""
+
+
+def _exact(text: Json) -> ReadExact:
     """A fraction, a root or an angle, as results write them: (cosine, sine) of an angle, whose time stands beside."""
     if not isinstance(text, str):
         raise ValueError(f"{text!r} is no exact number; write one as \"1/3\" or \"root of x^2 - 2 in [1, 2]\"")
@@ -87,7 +91,7 @@ def _polynomial(text: str) -> tuple[int, ...]:
     return tuple(powers.get(k, 0) for k in range(max(powers, default=-1) + 1))
 
 
-def _parameter(text: Json) -> ExactParameter | tuple[Any, Any] | None:
+def _parameter(text: Json) -> ExactParameter | ReadExact | None:
     """An exact parameter, a double as a text, or None."""
     if text is None:
         return None
@@ -212,7 +216,7 @@ class _TimesTable(_AnswerTable):
         }
 
 
-class JointTable(Table):
+class JointValueTable(Table):
     name: StrictStr
     value: Double
     interval: Doubles
@@ -237,7 +241,7 @@ class FirstTable(_TimesTable):
     contact_points: Triples | None = None
     allowed: StrictStr | None = None
     subproblems: list[SubproblemTable] = []
-    joints: list[JointTable] = []
+    joints: list[JointValueTable] = []
 
     def build(self) -> FirstContact:
         kind, points = self.contact_set, self.contact_points
@@ -346,7 +350,7 @@ class PlaceTable(Table):
     ends: StrictInt
 
 
-class CurveTable(_AnswerTable):
+class IntersectionCurveTable(_AnswerTable):
     a: StrictStr
     b: StrictStr
     branches: list[BranchTable]

@@ -13,7 +13,7 @@ import tomllib
 from collections.abc import Iterable, Iterator, Sized
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypedDict, Union
 
 from pydantic import (
     Field,
@@ -86,7 +86,7 @@ class TranslationTable(Table):
         return Translation(self.vector)
 
 
-class _Turn(Table):
+class _TurnTable(Table):
     axis: Vector
     point: Vector = (0, 0, 0)
     radians: Number = None
@@ -97,14 +97,14 @@ class _Turn(Table):
         return {"radians": self.radians, "degrees": self.degrees, "turns": self.turns}
 
 
-class RotationTable(_Turn):
+class RotationTable(_TurnTable):
     type: Literal["rotation"]
 
     def build(self) -> Rotation:
         return Rotation(self.axis, self.point, **self._angle())
 
 
-class ScrewTable(_Turn):
+class ScrewTable(_TurnTable):
     type: Literal["screw"]
     advance: Number = 0
 
@@ -125,12 +125,20 @@ class RationalTable(Table):
         return rational.rebuilt(self.coefficients, self.correction)
 
 
+class Turns(TypedDict):
+    """How poses are read, as `RationalMotion.between` and `Trajectory` take it."""
+
+    quat_xyzw: list[Quaternion] | None
+    quat_wxyz: list[Quaternion] | None
+    snap: Number
+
+
 class _Quaternions(Table):
     quat_xyzw: list[Quaternion] | None = None
     quat_wxyz: list[Quaternion] | None = None
     snap: Number = SNAP
 
-    def _check(self, **poses: Sized) -> dict[str, Any]:
+    def _check(self, **poses: Sized) -> Turns:
         """The quaternions, after a look whether the poses are of the kind that goes with them."""
         given = self.quat_xyzw is not None or self.quat_wxyz is not None
         for key, pose in poses.items():
@@ -220,12 +228,12 @@ Motion = Annotated[
 ]
 
 
-class _Body(Placed):
+class _BodyTable(Placed):
     name: StrictStr | None = None
     motion: Motion | None = None
 
 
-class MeshBody(_Body):
+class MeshBody(_BodyTable):
     shape: Literal["mesh"]
     file: StrictStr
     solid: StrictBool | None = None
@@ -234,7 +242,7 @@ class MeshBody(_Body):
         return Polyhedron.load(folder / self.file, solid=self.solid, name=self.name or key)
 
 
-class StepBody(_Body):
+class StepBody(_BodyTable):
     shape: Literal["step"]
     file: StrictStr
     part: StrictStr | None = None
@@ -249,7 +257,7 @@ class StepBody(_Body):
         return (root if self.part is None else root[self.part]).named(self.name or key)
 
 
-class PolyhedronBody(_Body):
+class PolyhedronBody(_BodyTable):
     shape: Literal["polyhedron"]
     vertices: list[Vector]
     faces: list[Face] = []
@@ -261,21 +269,22 @@ class PolyhedronBody(_Body):
         return Polyhedron(self.vertices, self.faces, edges=self.edges, solid=self.solid, name=name)
 
 
-class _SolidBody(_Body, solids.Solid):
+class _SolidBody(_BodyTable, solids.Solid):
     def build(self, key: str | None, folder: Path) -> Shape:
         return self.solid().named(self.name or key)
 
 
-class RuledBody(surfaces.Ruled, _Body):
+class RuledBody(surfaces.Ruled, _BodyTable):
     def build(self, key: str | None, folder: Path) -> RuledSurface | RuledStrip:
         return self.build_surface(self.name or key)
 
 
-def _solid_body(table: type[solids.Solid]) -> type[_Body]:
+def _solid_body(table: type[solids.Solid]) -> type[_BodyTable]:
     return create_model(f"{table.__name__}Body", __base__=(table, _SolidBody))  # type: ignore[arg-type]
 
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence as Listing
     from fractions import Fraction
 
     from pydantic_core import ErrorDetails
@@ -283,7 +292,7 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Shape
     from firstcontact.exact.numbers import Given
     from firstcontact.result import Json
-    from firstcontact.view.html import Frame
+    from firstcontact.view.html import NotebookFrame
     from firstcontact.work import CheckArguments
     Body = Any
 else:
@@ -350,6 +359,14 @@ class Check:
         return {"span": self.span, "exact": self.exact, "tolerance": self.tolerance, "budget": self.budget}
 
 
+class CurveArguments(TypedDict):
+    """What `intersection_curve` takes beside the surfaces."""
+
+    tolerance: float
+    box: Listing[Listing[Given]] | None
+    method: str
+
+
 @dataclass(frozen=True)
 class Curve:
     """A question of `firstcontact curve`: the keys of two bodies, the time at which they rest, the verb's arguments."""
@@ -361,8 +378,8 @@ class Curve:
     box: Any = None
     method: str = "auto"
 
-    def arguments(self) -> dict[str, Any]:
-        return {key: getattr(self, key) for key in ("tolerance", "box", "method")}
+    def arguments(self) -> CurveArguments:
+        return {"tolerance": self.tolerance, "box": self.box, "method": self.method}
 
 
 @dataclass(frozen=True)
@@ -400,16 +417,18 @@ class Scene:
         >>> [(hit.a.name, hit.b.name, hit.status.name, hit.time) for hit in hits if hit.time is not None]
         [('drawer', 'stop', 'CONTACT', 0.75)]
         """
-        from firstcontact.assembly.together import Asked, answers  # loads all that answers
+        from firstcontact.assembly.together import PairQuestion, answers  # loads all that answers
         from firstcontact.batch.workers import cores
 
         asked = [
-            Asked.of("first_contact", self.bodies, x.a, x.b, {**x.arguments(), "exact": x.exact or exact}, self.allow)
+            PairQuestion.of(
+                "first_contact", self.bodies, x.a, x.b, {**x.arguments(), "exact": x.exact or exact}, self.allow
+            )
             for x in self.checks
         ]
         return list(answers(asked, lambda k: None, None, workers or cores()))
 
-    def show(self, hits: Iterable[FirstContact], path: str | Path | None = None) -> Path | Frame:
+    def show(self, hits: Iterable[FirstContact], path: str | Path | None = None) -> Path | NotebookFrame:
         """Write the page that shows all bodies, and the contacts one after the other; without a path open it."""
         from firstcontact.view.assembly import Assembly
         from firstcontact.view.html import show_page
@@ -507,7 +526,7 @@ def _unread(text: str) -> str | None:
     return None
 
 
-def _build(path: Path, key: str, table: _Body) -> Body:
+def _build(path: Path, key: str, table: _BodyTable) -> Body:
     """The body of a scene."""
     try:
         with at_key(f"body.{key}"):

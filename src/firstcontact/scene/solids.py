@@ -44,7 +44,8 @@ class Solid(Placed):
 
         table = next(table for table in type(self).__mro__ if Solid in table.__bases__)
         keys = [key for key in table.__annotations__ if key != "shape" and getattr(self, key) is not None]
-        return getattr(firstcontact, self.shape)(**{key: getattr(self, key) for key in keys})
+        made: CompositeQuadric = getattr(firstcontact, self.shape)(**{key: getattr(self, key) for key in keys})
+        return made
 
 
 class Box(Solid):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, StrictStr
 
@@ -10,8 +10,13 @@ from firstcontact.errors import InputError
 from firstcontact.scene.values import Number, Table, parse_number
 from firstcontact.toolpath.tool import Tool
 
+if TYPE_CHECKING:
+    from fractions import Fraction
 
-def _diameter(value: Any) -> Any:
+    from firstcontact.result import Json
+
+
+def _diameter(value: Json) -> float | int | Fraction | tuple[float | int | Fraction, ...]:
     """A number, or two of a cone."""
     if not isinstance(value, list):
         return parse_number(value)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 KINDS: dict[str, Any] = {
     "shape": load.Body,
     "type": load.Motion,
-    "branches": answers.CurveTable,
+    "branches": answers.IntersectionCurveTable,
     "intervals": answers.IntervalsTable,
     "pairs": answers.PairsTable,
     "status": answers.FirstTable,

@@ -374,7 +374,7 @@ def _outward(
 
     x = np.column_stack([points, np.ones(len(points))])
     slope = np.einsum("nij,nj->ni", forms[np.array(of_face)[faces]], x)[:, :3]
-    normals = slope / np.maximum(np.linalg.norm(slope, axis=1), 1e-300)[:, None]
+    normals: np.ndarray = slope / np.maximum(np.linalg.norm(slope, axis=1), 1e-300)[:, None]
     for number, face in enumerate(solid.faces):
         own = np.flatnonzero(faces == number)
         if not len(own):

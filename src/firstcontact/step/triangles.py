@@ -202,7 +202,7 @@ class _Builder:
             raise NotBounded(
                 f"{self.solid.named('face', number)} is of kind {reason}, whose triangles have no proved bound"
             ) from reason
-        face = _Face(number, surface, chart, flipped, uv, [-1] * len(uv), found, [None] * len(found))  # type: ignore[arg-type]
+        face = _Face(number, surface, chart, flipped, uv, [-1] * len(uv), found, [None] * len(found))
         face.known = elementary(surface)
         face.flat = surface.DynamicType().Name() == "Geom_Plane"
         for use in self.solid.uses[number]:

@@ -125,7 +125,7 @@ class Setup:
                 tool = self.tool_of(block)
                 groups.setdefault(id(tool), (tool, []))[1].append(k)
         for tool, some in groups.values():
-            rows = _Rows(tool, [(k, stretch) for k in some for stretch in blocks[k].stretches])
+            rows = _ToolRows(tool, [(k, stretch) for k in some for stretch in blocks[k].stretches])
             for target in self.targets:
                 for segment in tool.segments:
                     asked += self._open(rows, segment, target)
@@ -133,12 +133,12 @@ class Setup:
         answers = _answers(queries, self.workers)
         found: dict[int, dict[tuple[str, str], Finding]] = {}
         for x in asked:
-            answer = _Answer("INITIAL_CONTACT", 0.0, 0.0, 0.0, x.begun) if x.begun is not None else next(answers)
+            answer = _WayAnswer("INITIAL_CONTACT", 0.0, 0.0, 0.0, x.begun) if x.begun is not None else next(answers)
             if answer.status != "FREE":
                 _keep(found.setdefault(x.block, {}), _finding(x, blocks[x.block], answer))
         return [Verdict(block, tuple(found.get(k, {}).values())) for k, block in enumerate(blocks)]
 
-    def _open(self, rows: _Rows, segment: Segment, target: _Target) -> list[_Asked]:
+    def _open(self, rows: _ToolRows, segment: Segment, target: _Target) -> list[_Asked]:
         """Ways of the segment that are not proved apart from the body by hulls."""
         counted = [not any(x.holds(segment, move, target.name) for x in self.allow) for move in MOVES]
         chosen = np.flatnonzero(np.array(counted)[rows.moves])
@@ -170,7 +170,7 @@ class _Asked:
 
 
 @dataclass(frozen=True)
-class _Answer:
+class _WayAnswer:
     """To a way: times are of the way; nan and None where there is none."""
 
     status: str
@@ -181,7 +181,7 @@ class _Answer:
     reason: str = ""
 
 
-def _answers(queries: list[tuple[Moving, Shape]], workers: int) -> Iterator[_Answer]:
+def _answers(queries: list[tuple[Moving, Shape]], workers: int) -> Iterator[_WayAnswer]:
     """The first contacts of exact solids, in order."""
     if not queries:
         return
@@ -189,10 +189,10 @@ def _answers(queries: list[tuple[Moving, Shape]], workers: int) -> Iterator[_Ans
     columns = map(table.column, ("status", "time", "lo", "hi", "point", "reason", "error"))
     for status, time, lo, hi, point, reason, error in zip(*columns, strict=True):
         if error is not None:
-            yield _Answer("UNDECIDED", np.nan, np.nan, np.nan, None, error)
+            yield _WayAnswer("UNDECIDED", np.nan, np.nan, np.nan, None, error)
         else:
             place = None if np.isnan(point).any() else tuple(point.tolist())
-            yield _Answer(str(status), float(time), float(lo), float(hi), place, str(reason))
+            yield _WayAnswer(str(status), float(time), float(lo), float(hi), place, str(reason))
 
 
 def _target(name: str, body: Body) -> _Target:
@@ -213,7 +213,7 @@ def _box(lo: np.ndarray, hi: np.ndarray) -> Polyhedron:
     return Polyhedron(np.array(corners), faces)
 
 
-class _Rows:
+class _ToolRows:
     """Places of a tool along many ways, as `walk` takes them: rows of neighbouring places."""
 
     def __init__(self, tool: Tool, asked: list[tuple[int, Stretch]]) -> None:
@@ -271,7 +271,7 @@ class _Rows:
         return out
 
 
-def _finding(x: _Asked, block: Block, answer: _Answer) -> Finding:
+def _finding(x: _Asked, block: Block, answer: _WayAnswer) -> Finding:
     """By the fraction of the whole block."""
     lengths = [stretch.length for stretch in block.stretches]
     lengths = lengths if sum(lengths) else [1.0] * len(lengths)

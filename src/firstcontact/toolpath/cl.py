@@ -13,7 +13,7 @@ from flint import fmpq
 
 from firstcontact.exact.vectors import Vector, add
 from firstcontact.toolpath.blocks import INCH, Block, Fault, lines_of, number
-from firstcontact.toolpath.moves import UP, Line, Stretch, Swing, is_half_turn
+from firstcontact.toolpath.moves import UP, StraightMove, Stretch, Swing, is_half_turn
 
 STILL = {
     "PARTNO", "MACHIN", "LOADTL", "LOAD", "TOOLNO", "TURRET", "SPINDL", "FEDRAT", "COOLNT", "CUTTER", "CUTCOM",
@@ -114,5 +114,5 @@ def _way(kind: str, begin: Vector, end: Vector, old: Vector, axis: Vector) -> tu
     if _is_up(old) and _is_up(axis):
         if kind == "rapid" and begin[:2] == end[:2] and end[2] > begin[2]:
             kind = "back"
-        return (Line(kind, begin, end),) if begin != end else ()
+        return (StraightMove(kind, begin, end),) if begin != end else ()
     return (Swing(kind, begin, end, old, axis),) if begin != end or old != axis else ()

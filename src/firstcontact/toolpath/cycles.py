@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from flint import fmpq
 
 from firstcontact.exact.vectors import Vector
-from firstcontact.toolpath.moves import Line, Stretch
+from firstcontact.toolpath.moves import StraightMove, Stretch
 
 if TYPE_CHECKING:
     from firstcontact.toolpath.gcode import _Reader
@@ -93,5 +93,5 @@ class _Ways:
             old if new is None else new for old, new in zip(self.at, (x, y, z), strict=True)
         )
         if place != self.at:
-            self.made.append(Line(kind, self.at, place))
+            self.made.append(StraightMove(kind, self.at, place))
         self.at = place

@@ -21,7 +21,7 @@ from firstcontact.exact.vectors import Vector
 from firstcontact.motion.poses import BITS, sqrt_near
 from firstcontact.toolpath.blocks import INCH, Block, Fault, lines_of, number
 from firstcontact.toolpath.cycles import CYCLES, drilled
-from firstcontact.toolpath.moves import Arc, Bow, Line, Stretch, tangent_of_half
+from firstcontact.toolpath.moves import ArcMove, Bow, StraightMove, Stretch, tangent_of_half
 
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))|(\S+)")
 """A letter and its number; or else what no word is."""
@@ -111,7 +111,7 @@ class _Reader:
             stretches = None if None in begin or None in end else self._way(words, tuple(begin), tuple(end))
         if stretches is None:
             return Block(line, text.strip(), (), m.tool, "it begins where the program does not tell")
-        moves = tuple(x for x in stretches if not isinstance(x, Line) or x.start != x.end)
+        moves = tuple(x for x in stretches if not isinstance(x, StraightMove) or x.start != x.end)
         return Block(line, text.strip(), moves, m.tool)
 
     def _words(self, text: str) -> tuple[dict[str, tuple[str, fmpq]], list[str]]:
@@ -203,7 +203,7 @@ class _Reader:
             for letter in "IJKRQL":
                 if letter in words:
                     raise self.fault(f"{letter}{words[letter][0]}", f"does not go with G{mode}; leave it out")
-            return [Line(_kind(mode, begin, end), begin, end)]
+            return [StraightMove(_kind(mode, begin, end), begin, end)]
         return self._arc(words, begin, end)
 
     def _arc(self, words: dict[str, tuple[str, fmpq]], begin: Vector, end: Vector) -> list[Stretch]:
@@ -237,7 +237,7 @@ class _Reader:
         turns = (1 if m.mode == "3" else -1) if full else 0
         off = abs(radius - other)
         if n == 2:
-            return [Arc("feed", begin, tuple(centre), angle, turns, end[2] - begin[2], off)]
+            return [ArcMove("feed", begin, tuple(centre), angle, turns, end[2] - begin[2], off)]
         return _bows(begin, tuple(centre), n, angle or 2.0 * math.pi * turns, end[n] - begin[n], off)
 
     def _centre_by_radius(self, word: tuple[str, fmpq], begin: Vector, end: Vector) -> tuple[fmpq, fmpq]:

@@ -33,7 +33,7 @@ MOST_PARTS = 4096
 
 
 @dataclass(frozen=True)
-class Places:
+class ToolPlaces:
     """Places of the tool along a way, in doubles: tips, axes (n + 1, 3), the fractions of the way (n + 1,).
 
     Between neighbours points of the tool stray from the hull by at most pad + swing * their distance from the tip.
@@ -47,7 +47,7 @@ class Places:
 
 
 @dataclass(frozen=True)
-class Line:
+class StraightMove:
     """Straight from start to end, the axis being +z.  kind: "rapid", "feed" or "back", over a way just cut."""
 
     kind: str
@@ -70,13 +70,13 @@ class Line:
         """Where the tip is at a time, rounded."""
         return _between(self.start, self.end, t)
 
-    def places(self, fine: float, reach: float) -> Places:
+    def places(self, fine: float, reach: float) -> ToolPlaces:
         """fine: how far hulls may be off; reach: of the tool's points from its tip."""
-        return Places(np.array([_doubles(self.start), _doubles(self.end)]), BOTH_UP, BOTH_ENDS)
+        return ToolPlaces(np.array([_doubles(self.start), _doubles(self.end)]), BOTH_UP, BOTH_ENDS)
 
 
 @dataclass(frozen=True)
-class Arc:
+class ArcMove:
     """About the line through centre along +z, the tool's axis: by radians (turns, of full circles), advancing too.
 
     A round tool is carried along such an arc as it turns about the line, so that the motion is an exact one.
@@ -117,7 +117,7 @@ class Arc:
         c, s = math.cos(angle), math.sin(angle)
         return [cx + c * x - s * y, cy + s * x + c * y, z + t * to_double(self.advance)]
 
-    def places(self, fine: float, reach: float) -> Places:
+    def places(self, fine: float, reach: float) -> ToolPlaces:
         bend = self.radius * self.angle**2 / 8.0  # a chord of a curve strays by |f''| / 8 times the square of the part
         n = _parts(bend, fine)
         fractions = np.linspace(0.0, 1.0, n + 1)
@@ -131,7 +131,7 @@ class Arc:
         ])  # fmt: skip
         size = abs(cx) + abs(cy) + abs(z0) + abs(dz) + self.radius
         pad = 1.0001 * bend / n**2 + self.deviation + ROUNDED * (1.0 + abs(self.angle)) * size
-        return Places(tips, np.tile((0.0, 0.0, 1.0), (n + 1, 1)), fractions, pad)
+        return ToolPlaces(tips, np.tile((0.0, 0.0, 1.0), (n + 1, 1)), fractions, pad)
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,7 @@ class Bow:
         along = [t * to_double(self.advance * x) for x in self.normal]
         return [x + y + z for x, y, z in zip(_doubles(self.start), shift, along, strict=True)]
 
-    def places(self, fine: float, reach: float) -> Places:
+    def places(self, fine: float, reach: float) -> ToolPlaces:
         k, radius = to_double(self.tangent), _norm(self._out)
         bend = radius * (4.0 * k * k + 4.0 * abs(k) ** 3) / 8.0  # of the angle 2 atan(k t)
         n = _parts(bend, fine)
@@ -197,7 +197,7 @@ class Bow:
         tips += np.outer(to_double(self.advance) * t, _doubles(self.normal))
         size = sum(map(abs, _doubles(self.centre))) + radius + abs(to_double(self.advance)) + np.abs(tips).max()
         pad = 1.0001 * bend / n**2 + self.deviation + ROUNDED * float(size)
-        return Places(tips, np.tile((0.0, 0.0, 1.0), (n + 1, 1)), t, pad)
+        return ToolPlaces(tips, np.tile((0.0, 0.0, 1.0), (n + 1, 1)), t, pad)
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ class Swing:
     def tip(self, t: float) -> list[float]:
         return _between(self.start, self.end, t)
 
-    def places(self, fine: float, reach: float) -> Places:
+    def places(self, fine: float, reach: float) -> ToolPlaces:
         u, v = _unit(self.axis0), _unit(self.axis1)
         cosine = dot(u, v)
         across = [y - cosine * x for x, y in zip(u, v, strict=True)]
@@ -248,10 +248,10 @@ class Swing:
         start, end = _doubles(self.start), _doubles(self.end)
         tips = (1.0 - t)[:, None] * start + t[:, None] * end
         pad = ROUNDED * max(map(abs, start + end))
-        return Places(tips, axes, t, pad, 1.0001 * bend / n**2 + ROUNDED)
+        return ToolPlaces(tips, axes, t, pad, 1.0001 * bend / n**2 + ROUNDED)
 
 
-Stretch = Line | Arc | Bow | Swing
+Stretch = StraightMove | ArcMove | Bow | Swing
 Quaternion = tuple[fmpq, fmpq, fmpq, fmpq]
 """(w, x, y, z)."""
 

@@ -15,6 +15,7 @@ from firstcontact.view.pair import at_rest
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
+    from firstcontact.result import ContactIntervals
 
 MOST_PAIRS, MOST_FREE = 400, 40
 """Pairs of a page, and up to how many pairs in all those are on it of which nothing is to be seen."""
@@ -39,7 +40,7 @@ def shown(results: Iterable[Any]) -> list[Any]:
     return ordered[:MOST_PAIRS]
 
 
-def _order(result: Any) -> tuple[int, float]:
+def _order(result: FirstContact | ContactIntervals) -> tuple[int, float]:
     if isinstance(result, FirstContact):
         time = None if result.allowed and result.status is not Status.CONTACT else result.time
     else:

@@ -24,6 +24,8 @@ from firstcontact.view.pair import Pair, at_rest, pose
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body, Shape
+    from firstcontact.body.solid.composite_quadric import CompositeQuadric
+    from firstcontact.body.torus.torus import Torus
 
 # Distance between a solid and its triangles, as a part of its size: half a pixel of a picture that it fills.
 TOLERANCE = 1 / 800
@@ -187,7 +189,7 @@ def _solid(body: Any, lo: np.ndarray, hi: np.ndarray) -> Drawing:
     )
 
 
-def _tolerance(body: Any, size: float) -> float:
+def _tolerance(body: CompositeQuadric | Torus, size: float) -> float:
     conics = [edge.frame for edge in body.edges if edge.frame.shape == (4, 3)]
     radius = min((float(np.linalg.norm(frame[:3, 1:], axis=0).min()) for frame in conics), default=math.inf)
     return TOLERANCE * size * min(1.0, max(ROUNDNESS * radius / (TOLERANCE * size), 0.1))

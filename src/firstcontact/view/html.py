@@ -23,7 +23,7 @@ from firstcontact.result_curve import IntersectionCurve
 from firstcontact.view.assembly import Assembly, drawn, shown
 from firstcontact.view.curve import layers
 from firstcontact.view.drawing import Drawing, contact_curve, drawings
-from firstcontact.view.joints import Joints, linkage_of
+from firstcontact.view.joints import PageJoints, linkage_of
 from firstcontact.view.pair import Pair, Result, at_rest, is_moving, pairs_of, pose
 from firstcontact.view.picture import HEIGHT, WIDTH, picture
 from firstcontact.view.poses import sample_poses
@@ -63,7 +63,7 @@ def write_page(path: str | Path | None, results: Iterable[Result], assembly: Ass
 
 
 @dataclass(frozen=True)
-class Frame:
+class NotebookFrame:
     """A page within a notebook's cell; it refers to nothing outside itself."""
 
     page: str
@@ -75,10 +75,10 @@ class Frame:
 
 def show_page(
     path: str | Path | None, results: Iterable[Result], assembly: Assembly | None = None
-) -> Path | Frame:
+) -> Path | NotebookFrame:
     """As `write_page`; in a notebook, without a path, the page as its cell shows it."""
     if path is None and _in_notebook():
-        return Frame(page_text(results, assembly))
+        return NotebookFrame(page_text(results, assembly))
     return write_page(path, results, assembly)
 
 
@@ -105,7 +105,7 @@ def cell(result: Any) -> str:
 def page_text(results: Iterable[Result], assembly: Assembly | None = None) -> str:
     """The page as one string; it refers to nothing outside itself."""
     pairs = pairs_of(results if assembly is None else shown(results))
-    meshes, joints = _Meshes(), Joints(partial(_base64, dtype=np.float64))
+    meshes, joints = _Meshes(), PageJoints(partial(_base64, dtype=np.float64))
     written = [_pair(pair, meshes, joints) for pair in pairs]
     title = " and ".join(pairs[0].names)
     content: dict[str, Any] = {"meshes": meshes.written, "pairs": written}
@@ -192,7 +192,7 @@ class _View:
             origin = start[:3, :3] @ centre + start[:3, 3]
         return cls(origin, max(size_a, size_b))
 
-    def motion(self, body: Body, drawing: Drawing, times: Iterable[float], joints: Joints) -> dict[str, Json]:
+    def motion(self, body: Body, drawing: Drawing, times: Iterable[float], joints: PageJoints) -> dict[str, Json]:
         """How a body moves: by its joints, and where it is when all are 0; or by poses, at these times and more."""
         centre, size = drawing.frame
         linkage = linkage_of(body)
@@ -208,7 +208,7 @@ class _View:
         return m
 
 
-def _pair(pair: Pair, meshes: _Meshes, joints: Joints) -> dict[str, Json]:
+def _pair(pair: Pair, meshes: _Meshes, joints: PageJoints) -> dict[str, Json]:
     """Everything the page needs about one pair."""
     first = pair.first
     drawn = drawings(pair, meshes.known)
@@ -238,7 +238,7 @@ def _pair(pair: Pair, meshes: _Meshes, joints: Joints) -> dict[str, Json]:
     }
 
 
-def _whole(assembly: Assembly, pairs: list[Pair], meshes: _Meshes, joints: Joints) -> dict[str, Json]:
+def _whole(assembly: Assembly, pairs: list[Pair], meshes: _Meshes, joints: PageJoints) -> dict[str, Json]:
     """Every body that can be drawn alone, in a frame of all; which of them each pair is about, by their numbers."""
     in_pairs = {id(at_rest(x)) for pair in pairs for x in (pair.a, pair.b)}
     found = drawn(assembly, in_pairs, meshes.known)
@@ -286,7 +286,7 @@ def _layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing], view: _Vie
 
 
 def _body(
-    pair: Pair, body: Body, drawing: Drawing, elements: list[Element], view: _View, meshes: _Meshes, joints: Joints
+    pair: Pair, body: Body, drawing: Drawing, elements: list[Element], view: _View, meshes: _Meshes, joints: PageJoints
 ) -> dict[str, Json]:
     centre, size = drawing.frame
     lo, hi = pair.window

@@ -29,7 +29,7 @@ def linkage_of(body: Body) -> Linkage | None:
     return motion if isinstance(motion, Linkage) else None
 
 
-class Joints:
+class PageJoints:
     """The joints of a page, each written once however many bodies hang on it.
 
     encode: how an array of doubles is written.

@@ -38,7 +38,7 @@ def _on(body: Ruled, points: np.ndarray, near: float) -> np.ndarray:
     return np.any([distances(piece, points) <= near for piece in body.pieces], axis=0)
 
 
-class _On:
+class _OnOther:
     """Stands for an inequality in the parameters of a piece: whether its point lies on the other body."""
 
     def __init__(self, piece: RuledSurface, other: Ruled, near: float) -> None:
@@ -55,7 +55,7 @@ def _part(piece: RuledSurface, other: Ruled, near: float) -> np.ndarray:
     s = np.linspace(float(piece.s[0]), float(piece.s[1]), ROWS)
     parameters = np.stack(np.broadcast_arrays(x[:, None], s), axis=-1).reshape(-1, 2)
     triangles = grid_triangles(COLUMNS, ROWS)
-    conditions: list[Inequality] = [*piece.trim, _On(piece, other, near)]
+    conditions: list[Inequality] = [*piece.trim, _OnOther(piece, other, near)]
     for condition in conditions:
         parameters, triangles = clipped(parameters, triangles, condition, piece, HALVINGS)
     return piece.points(parameters_of(piece, parameters[:, 0]), parameters[:, 1])[triangles]

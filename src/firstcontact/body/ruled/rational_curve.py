@@ -334,7 +334,7 @@ def _ratio(row: Iterable[Given], what: str) -> dict[tuple[int, int], fmpq]:
     return found
 
 
-def _restored(table: Any) -> RationalCurve:
+def _restored(table: Iterable[Iterable[tuple[tuple[int, ...], int]]]) -> RationalCurve:
     return RationalCurve.of([RING.from_dict(dict(x)) for x in table])
 
 

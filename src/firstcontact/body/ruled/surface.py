@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from firstcontact.body.polyhedron.polyhedron import Polyhedron
+    from firstcontact.body.ruled.rational_curve import Component
     from firstcontact.body.ruled.strip import RuledStrip
     from firstcontact.exact.numbers import Given, Nested
     from firstcontact.result import Table
@@ -348,7 +349,7 @@ class RuledSurface(Placing):
             if self._is_empty(trim):
                 raise InputError(f"{self._who}: trim {str(trim)!r} leaves nothing of the piece; check its direction")
 
-    def _lines(self) -> list[Any]:
+    def _lines(self) -> list[Component]:
         """The Pluecker vector of the ruling, 01, 02, 03, 12, 13, 23, with its common factor."""
         p: Sequence[Any] = self.first.components
         q: Sequence[Any] = self.second.components

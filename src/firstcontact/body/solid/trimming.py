@@ -168,7 +168,7 @@ def _trimmed(curve: Line | Conic, surfaces: Sequence[Surface], known: Sequence[i
     found = []
     for sheets in groups:
         own = [b for sheet in sheets for b in breaks[sheet]]
-        arcs = _arcs(loop, sheets, own, _Signs(loop, surfaces, known, crossings), bits)
+        arcs = _arcs(loop, sheets, own, _SurfaceSigns(loop, surfaces, known, crossings), bits)
         found.append(Trimmed(loop, containing, tuple(arcs)))
     return found
 
@@ -328,7 +328,7 @@ def _arcs(
     loop: Loop,
     sheets: tuple[int, ...],
     cycle: list[Break],
-    signs: _Signs,
+    signs: _SurfaceSigns,
     bits: int,
 ) -> list[Arc]:
     """The arcs between the breaks of one cycle."""
@@ -363,7 +363,7 @@ def beyond(x: arb) -> fmpq:
 
 
 @dataclass(frozen=True, eq=False)
-class _Signs:
+class _SurfaceSigns:
     """Of all forms along a loop."""
 
     loop: Loop

@@ -19,7 +19,7 @@ A_TURN, TRACED = 8, 37
 
 
 @dataclass(eq=False)
-class _Run:
+class _CurveRun:
     """One piece of an edge: ascending parameters and the numbers of the points there."""
 
     edge: Edge
@@ -33,7 +33,7 @@ class Samples:
     def __init__(self, body: CompositeQuadric, chord: float) -> None:
         """chord: how far a curve may be from the chords between its samples."""
         self.points: list[np.ndarray] = [np.array(v.position) for v in body.vertices]
-        self._runs: list[_Run] = []
+        self._runs: list[_CurveRun] = []
         edges = [*body.edges, *body.seams]
         for edge in edges:
             for piece in edge.pieces:
@@ -43,7 +43,7 @@ class Samples:
                         self._number(p) if vertex is None else vertex
                         for p, vertex in zip(ends, (piece.start, piece.end), strict=True)
                     ]
-                    self._runs.append(_Run(edge, [piece.lo, piece.hi], on))
+                    self._runs.append(_CurveRun(edge, [piece.lo, piece.hi], on))
         for p in _crossings(edges):
             self._number(p)
         for run in self._runs:
@@ -71,7 +71,7 @@ class Samples:
         self.points.append(p)
         return len(self.points) - 1
 
-    def _visit(self, run: _Run, body: CompositeQuadric) -> None:
+    def _visit(self, run: _CurveRun, body: CompositeQuadric) -> None:
         """Points known by now that the run passes become its samples: other curves end or cross there."""
         points = np.array(self.points)
         x = np.column_stack([points, np.ones(len(points))])
@@ -91,7 +91,7 @@ class Samples:
             run.at.insert(-1, t)
             run.on.insert(-1, k)
 
-    def _sample(self, run: _Run, chord: float) -> None:
+    def _sample(self, run: _CurveRun, chord: float) -> None:
         step = {2: math.inf, 3: 2 * math.pi / A_TURN}.get(run.edge.frame.shape[1], math.inf)
         if isinstance(run.edge.carrier, QuarticCurve):
             step = TRACED
@@ -105,7 +105,7 @@ class Samples:
             for k in np.flatnonzero(parts > 1)[::-1]:
                 self._insert(run, k, int(parts[k]))
 
-    def _insert(self, run: _Run, k: int, parts: int) -> None:
+    def _insert(self, run: _CurveRun, k: int, parts: int) -> None:
         """Cut step k of the run into equal parts."""
         if parts < 2:
             return
@@ -115,7 +115,7 @@ class Samples:
         run.at[k + 1 : k + 1] = at.tolist()
         run.on[k + 1 : k + 1] = range(first, len(self.points))
 
-    def _sagittas(self, run: _Run) -> np.ndarray:
+    def _sagittas(self, run: _CurveRun) -> np.ndarray:
         """How far the curve is from each of its chords, at three places of each."""
         at, ends = np.array(run.at), np.array([self.points[k] for k in run.on])
         chord = ends[1:] - ends[:-1]

@@ -55,8 +55,11 @@ from firstcontact.search.trees.frame import tree_of
 from firstcontact.work import Query, Spent
 
 if TYPE_CHECKING:
+    from typing import Unpack
+
     from firstcontact.body.kinds import Body
     from firstcontact.motion.relative.polynomial import PolynomialPiece
+    from firstcontact.result import ContactFields
 
 MOST_PRISMS = 16
 """Triangles looked at one by one to tell touching from overlapping."""
@@ -146,7 +149,7 @@ class _Answer:
             return landed
         return self._undecided(swept.free_until, "precision")
 
-    def _result(self, status: Status, **fields: Any) -> FirstContact:
+    def _result(self, status: Status, **fields: Unpack[ContactFields]) -> FirstContact:
         return FirstContact(status, stats=self._stats(), **fields, **self.shared)
 
     def _stats(self) -> Stats:
@@ -166,7 +169,7 @@ class _Answer:
     def _initial(self, window: Window) -> FirstContact:
         """A start in which interiors overlap."""
         start = self.search.at_start(window)
-        fields = {} if start.touch is None else {"point": start.touch.point}
+        fields: ContactFields = {} if start.touch is None else {"point": start.touch.point}
         return self._at_start(self._kind(start, window), **fields)
 
     def _at_start(self, kind: str | None, **fields: Any) -> FirstContact:
@@ -483,13 +486,14 @@ class _Answer:
         return any(not overlap(Pair(*pair, piece), piece.u_lo) for pair in pairs)
 
 
-def _standing(body: Body, t: fmpq) -> Any:
+def _standing(body: Body, t: fmpq) -> Moving | None:
     """The body under a motion that keeps it in its pose at time t; None where that is not rational."""
     there = placement_at(body, t)
     if not there.is_exact:
         return None
     pose = [[fraction(x) for x in row] for row in there.matrix()]
-    return shape_of(body).moving(RationalMotion([[*pose, [0, 0, 0, 1]]]))
+    standing: Moving = shape_of(body).moving(RationalMotion([[*pose, [0, 0, 0, 1]]]))
+    return standing
 
 
 def _is_screw(body: Body) -> bool:

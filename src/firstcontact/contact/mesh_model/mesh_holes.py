@@ -294,11 +294,13 @@ class HoledSearch(MeshSearch):
         kind = type(theirs).__name__.lower(), theirs.index
         return Touch(stop.lo, at, time, where, n, primitive, corner, sides, (kind,), frame, alone)
 
-    def _corners(self, feature: Face | Edge | Vertex, triangle: int) -> Any:
+    def _corners(self, feature: Face | Edge | Vertex, triangle: int) -> Sequence[int] | np.ndarray:
         """The vertices of a vertex, an edge, or a face that is this triangle."""
         if isinstance(feature, Vertex):
             return [feature.index]
-        return self.mesh._segments[feature.index] if isinstance(feature, Edge) else self.mesh.triangles[triangle]
+        rows = self.mesh._segments if isinstance(feature, Edge) else self.mesh.triangles
+        corners: np.ndarray = rows[feature.index if isinstance(feature, Edge) else triangle]
+        return corners
 
     def _is_clear(
         self, corners: np.ndarray, theirs: Face | Edge | Vertex, where: np.ndarray, poses: Sequence[np.ndarray]

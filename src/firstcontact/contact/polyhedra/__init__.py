@@ -1,7 +1,6 @@
 """Two polyhedra.
 
-problem                what every kind of motion gives to a search; `engines` chooses among the ways to search
-translation_problem, rotation_problem, rational_problem, curved_problem, enclosed_problem   one for each kind of motion
+problems               what each kind of motion gives to a search; `engines` chooses among the ways to search
 earliest, intervals, overlap   the first contact, all of them, and how bodies lie at an instant
 standstill, planar, generic_turns   motions that stand still, stay in a plane, or turn by irrational angles
 prisms                 flat parts that move in one plane

@@ -6,7 +6,7 @@ import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.each import Contacts, Exactly, Place, Walked, Walks, first_of, piece_of, placed
-from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
+from firstcontact.contact.polyhedra.problems.rotation_problem import RotationProblem
 from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.arrays import Rotations
 from firstcontact.search.trees.walk_each import OPEN

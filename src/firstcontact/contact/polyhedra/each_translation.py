@@ -11,7 +11,7 @@ from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks, piece_of, placed
 from firstcontact.contact.polyhedra.earliest import Pair
-from firstcontact.contact.polyhedra.translation_problem import TranslationProblem, rows_of
+from firstcontact.contact.polyhedra.problems.translation_problem import TranslationProblem, rows_of
 from firstcontact.exact.times.instants import RationalInstant
 from firstcontact.exact.vectors import Vector, whole, whole_doubles
 from firstcontact.motion.translation import Translation

@@ -95,7 +95,7 @@ class ByEngine:
         if self.engine == "composed":
             return self._advance_composed(state, limit, with_start, all_sides)
         if self.engine == "sweep" and not all_sides:
-            from firstcontact.contact.polyhedra.sweep_problem import advance_sweep
+            from firstcontact.contact.polyhedra.problems.sweep_problem import advance_sweep
 
             if not integers[LIFTED]:
                 begin_lifted(state, with_start)
@@ -120,7 +120,7 @@ class ByEngine:
                 return reason
         if not integers[LIFTED]:
             begin_lifted(state, with_start)
-        from firstcontact.contact.polyhedra.lifted_problem import advance_lifted
+        from firstcontact.contact.polyhedra.problems.lifted_problem import advance_lifted
 
         return advance_lifted(self, state, limit)
 
@@ -137,7 +137,7 @@ class ByEngine:
         return known[2]
 
     def _advance_composed(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
-        from firstcontact.contact.polyhedra.composed_problem import advance_composed
+        from firstcontact.contact.polyhedra.problems.composed_problem import advance_composed
 
         if not state.integers[LIFTED]:
             begin_lifted(state, with_start)

@@ -18,7 +18,7 @@ from firstcontact.contact.polyhedra.earliest import Found, Pair, all_pairs, earl
 from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.prisms import Apart, in_one_plane
-from firstcontact.contact.polyhedra.problem import far_apart, problem_of, problems_in_order, stretches
+from firstcontact.contact.polyhedra.problems.problem import far_apart, problem_of, problems_in_order, stretches
 from firstcontact.contact.ways import Passed, Way, answered, decided
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double

@@ -22,7 +22,7 @@ from firstcontact.search.trees.windows import COVERS, DONE, FOUND, FULL, STACK, 
 from firstcontact.work import WORTH, Progress, Spent, may_grow
 
 if TYPE_CHECKING:
-    from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
+    from firstcontact.contact.polyhedra.problems.enclosed_problem import EnclosedProblem
 
 
 # Primitives that are in doubt for long, such as those that slide along each other: after so many no answer is expected.

@@ -13,8 +13,8 @@ from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.earliest import earliest
-from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
-from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
+from firstcontact.contact.polyhedra.problems.rotation_problem import RotationProblem
+from firstcontact.contact.polyhedra.problems.translation_problem import TranslationProblem
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.exact.times.instants import RationalInstant
 from firstcontact.motion.relative.pieces import Piece

@@ -33,14 +33,14 @@ if TYPE_CHECKING:
 def first(query: Query) -> FirstContact:
     """The first shared point.  Raises UnsupportedPair."""
     _refuse_exact(query)
-    return answered([Way("by cells", lambda query, _: _Search(query, query.work()).first())], query)
+    return answered([Way("by cells", lambda query, _: _TorusSearch(query, query.work()).first())], query)
 
 
 @ignoring_idle_turns
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact.  Raises UnsupportedPair."""
     _refuse_exact(query)
-    return answered([Way("by cells", lambda query, _: _Search(query, query.work()).intervals())], query)
+    return answered([Way("by cells", lambda query, _: _TorusSearch(query, query.work()).intervals())], query)
 
 
 def _refuse_exact(query: Query) -> None:
@@ -48,7 +48,7 @@ def _refuse_exact(query: Query) -> None:
         raise UnsupportedPair("times of contact with tori are not exact; drop exact=True and method='algebraic'")
 
 
-class _Search:
+class _TorusSearch:
     def __init__(self, query: Query, work: Work) -> None:
         self.query, self.work, self.shapes = query, work, [shape_of(x) for x in query.bodies]
         try:

@@ -26,7 +26,7 @@ from firstcontact.exact.numbers import dyadic, precision, to_double
 from firstcontact.result_curve import Branch, BranchEnd
 
 if TYPE_CHECKING:
-    from firstcontact.curves.with_solids.solid_curve import _Found
+    from firstcontact.curves.with_solids.solid_curve import _SheetParts
     from firstcontact.exact.curves.plane_curves import Edge, Graph, Node
 
 # Where branches to infinity are cut, in units of the size of the directrices.
@@ -68,7 +68,7 @@ def add_curves(found: Found, curves: Curves) -> None:
 
 
 def add_branches(
-    found: Found | _Found, joints: Joints, kept: Sequence[Edge], curves: Curves, still: Sequence[fmpz_mpoly] = ()
+    found: Found | _SheetParts, joints: Joints, kept: Sequence[Edge], curves: Curves, still: Sequence[fmpz_mpoly] = ()
 ) -> None:
     """The branches of these edges of a graph of these curves; found: Found, or alike for another second body.
 
@@ -114,7 +114,7 @@ class Meetings:
 class Joints:
     """The nodes of a graph in space; `place` tells where (u, v) is."""
 
-    def __init__(self, found: Found | _Found, graph: Graph, place: Any) -> None:
+    def __init__(self, found: Found | _SheetParts, graph: Graph, place: Any) -> None:
         self.found, self.graph, self.in_space = found, graph, place
         self._spots: dict[int, Spot] = {}
         self._limits: dict[int, list[np.ndarray]] = defaultdict(list)
@@ -210,7 +210,7 @@ class _Assembly:
 
     def __init__(
         self,
-        found: Found | _Found,
+        found: Found | _SheetParts,
         joints: Joints,
         graph: Graph,
         kept: Sequence[Edge],

@@ -180,31 +180,31 @@ def overlap(p: Piece, q: Piece, u: Parameter, v: Parameter) -> np.ndarray | None
         return None
     (a, x), (b, y) = p.rulings.chart(u), q.rulings.chart(v)
     j = next(i for i, k in enumerate((2, 4, 5)) if x.sign_of(a.line[k]) != 0)
-    ends_p = [_End(c, j, in_u, x, y) for c in (a.first, a.second)] if p.bounded else []
-    ends_q = [_End(c, j, in_v, x, y) for c in (b.first, b.second)] if q.bounded else []
+    ends_p = [_RulingEnd(c, j, in_u, x, y) for c in (a.first, a.second)] if p.bounded else []
+    ends_q = [_RulingEnd(c, j, in_v, x, y) for c in (b.first, b.second)] if q.bounded else []
     if not ends_p and not ends_q:
         return _two_points(a, x)
     lows, highs = [], []
     for ends in (ends_p, ends_q):
         if ends:
-            ends.sort(key=cmp_to_key(_End.compare))
+            ends.sort(key=cmp_to_key(_RulingEnd.compare))
             lows.append(ends[0])
             highs.append(ends[1])
-    low, high = max(lows, key=cmp_to_key(_End.compare)), min(highs, key=cmp_to_key(_End.compare))
+    low, high = max(lows, key=cmp_to_key(_RulingEnd.compare)), min(highs, key=cmp_to_key(_RulingEnd.compare))
     order = low.compare(high)
     if order > 0:
         return None
     return np.array([low.point(), (high if order else low).point()])
 
 
-class _End:
+class _RulingEnd:
     """An end of a ruling on a line, ordered by its coordinate j."""
 
     def __init__(self, curve: Any, j: int, along: Any, u: AlgebraicRoot, v: AlgebraicRoot) -> None:
         self.curve, self.root, self.at = curve, u if along is in_u else v, (u, v)
         self.x, self.w = along(curve[j]), along(curve[3])
 
-    def compare(self, other: _End) -> int:
+    def compare(self, other: _RulingEnd) -> int:
         """Weights are positive on bounded pieces."""
         return sign_at(self.x * other.w - other.x * self.w, *self.at, (0, 0))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq
@@ -26,7 +26,10 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross
 
 if TYPE_CHECKING:
+    from typing import Unpack
+
     from firstcontact.curves.exactly.spots import Box
+    from firstcontact.curves.with_solids.solid_curve import Joining
     from firstcontact.exact.curves.plane_curves import Edge, Node
 
 
@@ -158,7 +161,7 @@ class FacetCurve(SheetCurve):
     """joining: as `knots` and `joins` of SheetCurve."""
 
     def __init__(
-        self, piece: Piece, facet: Facet, tolerance: float, box: Box | None, first: bool, **joining: Any
+        self, piece: Piece, facet: Facet, tolerance: float, box: Box | None, first: bool, **joining: Unpack[Joining]
     ) -> None:
         super().__init__(piece, facet.surfaces, 1, tolerance, box, first, **joining)
         self.facet = facet

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, reduce
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 from flint import arb, fmpq, fmpz, fmpz_mpoly
@@ -38,11 +38,13 @@ from firstcontact.result_curve import ExactParameters, SingularPoint
 
 if TYPE_CHECKING:
     from fractions import Fraction
+    from typing import Unpack
 
     from firstcontact.body.solid.carriers import Quadric
     from firstcontact.curves.exactly.spots import Box
     from firstcontact.curves.fields import CurveFields
     from firstcontact.exact.curves.plane_curves import Edge, Graph, Node
+    from firstcontact.result_curve import ExactPair
 
 UNIT = fmpq(0), fmpq(1)
 FLAT = 1e-9
@@ -125,7 +127,7 @@ class _Sheet:
 class _Joints(Joints):
     """All nodes on a side that is a point are one; at nodes that `is_stop` names, every edge ends for itself."""
 
-    def __init__(self, found: _Found, graph: Graph, sheet: _Sheet, is_stop: Callable[[Node], bool]) -> None:
+    def __init__(self, found: _SheetParts, graph: Graph, sheet: _Sheet, is_stop: Callable[[Node], bool]) -> None:
         super().__init__(found, graph, sheet)
         self.sheet, self.is_stop = sheet, cache(lambda index: is_stop(graph.nodes[index]))
         self.first: dict[int, int] = {}
@@ -147,7 +149,7 @@ def _combined(weights: Sequence[fmpq], values: Sequence[fmpz_mpoly]) -> fmpz_mpo
     return sum(((c * below).p * x for c, x in zip(weights, values, strict=True)), values[0] - values[0])
 
 
-class _Found(Parts):
+class _SheetParts(Parts):
     """v: the range of the second parameter, which is the place r on the ruling; rulings are bounded, points finite."""
 
     v, finite = UNIT, True
@@ -157,7 +159,7 @@ class _Found(Parts):
         self.piece, self.clip, self.first = piece, clip, first
 
     def exact(self, where: Any) -> ExactParameters:
-        def pair() -> Any:
+        def pair() -> ExactPair:
             u = self.piece.user_parameter(where.u)
             known = math.inf if u is None else number(u)
             return (known, None) if self.first else (None, known)
@@ -217,6 +219,13 @@ class _Clip:
         return tuple(found)
 
 
+class Joining(TypedDict, total=False):
+    """How a SheetCurve goes on beyond its piece."""
+
+    knots: Sequence[fmpq | Fraction]
+    joins: bool
+
+
 class SheetCurve:
     """The part of the curves f(u, r) = 0 of some surfaces over a piece that `is_part` tells.
 
@@ -245,7 +254,7 @@ class SheetCurve:
             if piece.u is not None or not self._special_at_infinity(surfaces):
                 break
         self.drawn, self.cutting = self.forms[:drawn], self.forms[drawn:]
-        self.found = _Found(self.piece, self.clip, tolerance, first)
+        self.found = _SheetParts(self.piece, self.clip, tolerance, first)
 
     def is_part(self, where: Node | Edge, joints: Joints) -> bool:
         """Of an open edge or a node."""
@@ -318,7 +327,7 @@ class ModelCurve(SheetCurve):
     """With the boundary of a solid of planes and quadrics; joining: as `knots` and `joins` of SheetCurve."""
 
     def __init__(self, piece: Piece, model: CompositeQuadric, tolerance: float, box: Box | None, first: bool,
-                 **joining: Any) -> None:  # fmt: skip
+                 **joining: Unpack[Joining]) -> None:  # fmt: skip
         super().__init__(piece, model.surfaces, len(model.surfaces), tolerance, box, first, **joining)
         self.model = model
 

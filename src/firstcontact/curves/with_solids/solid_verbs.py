@@ -31,8 +31,11 @@ from firstcontact.result import Stats
 from firstcontact.result_curve import Branch, IntersectionCurve
 
 if TYPE_CHECKING:
+    from typing import Unpack
+
     from firstcontact.body.kinds import Ruled, Shape
     from firstcontact.curves.fields import CurveFields
+    from firstcontact.curves.with_solids.solid_curve import Joining
     from firstcontact.exact.numbers import Given
 
 MOST_FACETS = 2000
@@ -90,14 +93,15 @@ class _Sheets:
     ) -> None:
         self.ruled, self.solid, self.tolerance, self.box, self.first = ruled, solid, tolerance, box, first
 
-    def of_model(self, piece: Piece, **joining: Any) -> SheetCurve:
+    def of_model(self, piece: Piece, **joining: Unpack[Joining]) -> SheetCurve:
         return ModelCurve(piece, self.solid, self.tolerance, self.box, self.first, **joining)
 
     def of_chain(self, chain: Chain) -> Iterator[tuple[int, SheetCurve]]:
         """With the number of their piece."""
         asked = 0
         for k, surface in enumerate(chain.pieces):
-            piece, joining = Piece.of(surface), {"knots": chain.knots(k), "joins": True}
+            piece = Piece.of(surface)
+            joining: Joining = {"knots": chain.knots(k), "joins": True}
             if isinstance(self.solid, CompositeQuadric):
                 yield k, self.of_model(piece, **joining)
                 continue

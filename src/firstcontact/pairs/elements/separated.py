@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.vectors import Vector, add, dot, scaled
 
+if TYPE_CHECKING:
+    from flint import arb, fmpq
 
-def are_apart(a: Sequence[Vector], b: Sequence[Vector], v: Vector, last: Any) -> bool:
+
+def are_apart(a: Sequence[Vector], b: Sequence[Vector], v: Vector, last: fmpq | arb) -> bool:
     """Whether the hull of points a, on its way by t v, 0 <= t <= last, certainly shares no point with that of points b.
 
     Coordinates are rational or balls; False where no plane is found.

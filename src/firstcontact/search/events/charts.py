@@ -110,7 +110,7 @@ _CHARTS = Kept[Charts]()
 
 def charts_of(body: CompositeQuadric) -> Charts:
     """The charts of a body, kept on it.  Raises NotCharted."""
-    return _CHARTS.of_or_refusal(body, lambda: _Builder(body).build(), NotCharted)
+    return _CHARTS.of_or_refusal(body, lambda: _ChartBuilder(body).build(), NotCharted)
 
 
 def resting(forms: np.ndarray, kinds: np.ndarray) -> np.ndarray:
@@ -123,7 +123,7 @@ def resting(forms: np.ndarray, kinds: np.ndarray) -> np.ndarray:
 
 def forms_of(body: CompositeQuadric) -> Charts:
     """As `charts_of`, without any chart: for bodies that only the other one's charts meet.  Raises NotCharted."""
-    known = _Builder(body)
+    known = _ChartBuilder(body)
     return Charts(known.units, known.forms, known.kinds, known.program, [])
 
 
@@ -152,7 +152,7 @@ def compiled(tree: Tree) -> list[tuple[int, int]]:
     return steps
 
 
-class _Builder:
+class _ChartBuilder:
     def __init__(self, body: CompositeQuadric) -> None:
         self.body = body
         if len(body.surfaces) > MOST_SURFACES:

@@ -229,7 +229,7 @@ class Translated:
     def conjunctions(self, a: Vector, b: Vector, v: Vector, last: Number) -> tuple[Conjunction, ...]:
         return translation_conjunctions(a, b, v, last)
 
-    def parameters(self) -> tuple[Any, ...]:
+    def parameters(self) -> tuple[Vector, fmpq]:
         return self.v, self.last
 
     def oriented(self, c: Any, d: Any) -> tuple[Any, Any]:
@@ -258,7 +258,7 @@ class Turned:
     def conjunctions(self, a: Vector, b: Vector, tangent: Number) -> tuple[Conjunction, ...]:
         return rotation_conjunctions(a, b, tangent)
 
-    def parameters(self) -> tuple[Any, ...]:
+    def parameters(self) -> tuple[fmpq]:
         return (self.tangent,)
 
     def oriented(self, c: Any, d: Any) -> tuple[Any, Any]:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import cached_property, cmp_to_key
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq, fmpz
@@ -59,6 +59,9 @@ from firstcontact.search.trees.touch import Touch, place_doubles, rotation_norma
 from firstcontact.search.trees.tree import Tree
 from firstcontact.search.trees.walk import walk
 from firstcontact.search.trees.windows import collect
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 Angle = tuple[fmpq, fmpq]  # radians, turns
 Window = tuple[TurnInstant, TurnInstant]
@@ -540,7 +543,7 @@ def _whole_turns(radians: fmpq, turns: fmpq) -> int:
 _RANGES = Kept[tuple[Any, Tree, Tree, np.ndarray]]()
 
 
-def _ranges(body: Polyhedron, tree_a: Tree, tree_b: Tree, key: Any) -> np.ndarray:
+def _ranges(body: Polyhedron, tree_a: Tree, tree_b: Tree, key: tuple[object, Sequence[float], object]) -> np.ndarray:
     """The array walks fill with ranges of nodes; kept while trees and axis stay the same."""
     cached = _RANGES.get(body)
     if cached is None or cached[0] != key or cached[1] is not tree_a or cached[2] is not tree_b:

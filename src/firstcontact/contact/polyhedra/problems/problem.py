@@ -11,7 +11,7 @@ from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.earliest import Problem, Searched
-from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
+from firstcontact.contact.polyhedra.problems.translation_problem import TranslationProblem
 from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.balls_apart import Ball, are_apart
@@ -20,7 +20,7 @@ from firstcontact.motion.relative.pieces import Piece, by_motions, in_few_turns
 from firstcontact.work import Work
 
 if TYPE_CHECKING:
-    from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
+    from firstcontact.contact.polyhedra.problems.rotation_problem import RotationProblem
 
 Body = Polyhedron | Moving
 
@@ -28,8 +28,8 @@ Body = Polyhedron | Moving
 def problem_of(a: Body, b: Body, piece: Piece | CurvedPiece, engine: str = "boxes", threads: int = 1) -> Problem:
     """The search problem of the piece, both bodies placed at its reference time."""
     if isinstance(piece, CurvedPiece):
-        from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
-        from firstcontact.contact.polyhedra.rational_problem import RationalProblem
+        from firstcontact.contact.polyhedra.problems.enclosed_problem import EnclosedProblem
+        from firstcontact.contact.polyhedra.problems.rational_problem import RationalProblem
 
         body_a, body_b = (shape_of(body) for body in (a, b))
         if piece.is_rational:
@@ -39,7 +39,7 @@ def problem_of(a: Body, b: Body, piece: Piece | CurvedPiece, engine: str = "boxe
     if piece.velocity is not None:
         problem: TranslationProblem | RotationProblem = TranslationProblem(body_a, body_b, piece)
     else:
-        from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
+        from firstcontact.contact.polyhedra.problems.rotation_problem import RotationProblem
 
         problem = RotationProblem(body_a, body_b, piece)
     problem.engine, problem.threads = engine, threads

@@ -10,7 +10,7 @@ from typing import Any
 from flint import ctx, fmpz, fmpz_poly
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.curved_problem import Corners, CurvedProblem
+from firstcontact.contact.polyhedra.problems.curved_problem import Corners, CurvedProblem
 from firstcontact.exact.fields.conditions import Conditions, between, distinct
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 from firstcontact.exact.numbers import exact_value

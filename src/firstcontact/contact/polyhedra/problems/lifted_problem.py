@@ -13,7 +13,7 @@ import numpy as np
 from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.engines import ByEngine
-from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
+from firstcontact.contact.polyhedra.problems.translation_problem import TranslationProblem
 from firstcontact.kernels.lifted.meridians import may_meet_turning
 from firstcontact.kernels.lifted.swept_cell import edge_distances
 from firstcontact.search.lifted.facet_halving import Facets, Paths

@@ -11,11 +11,11 @@ import numpy as np
 from flint import arb, arb_series, ctx, fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.curved_problem import Corners, CurvedProblem, element_pairs, ids_of
 from firstcontact.contact.polyhedra.doubts import WIDEST, Doubt, merged
 from firstcontact.contact.polyhedra.earliest import SOON
 from firstcontact.contact.polyhedra.generic_turns import Rows, relative_pose
 from firstcontact.contact.polyhedra.planar import BeginsNothing, generic_poses, has_walls, normal_of_motion
+from firstcontact.contact.polyhedra.problems.curved_problem import Corners, CurvedProblem, element_pairs, ids_of
 from firstcontact.exact.fields.conditions import Conditions
 from firstcontact.exact.numbers import (
     PRECISIONS,

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from firstcontact.contact.polyhedra.engines import ByEngine
-from firstcontact.contact.polyhedra.lifted_problem import lifted_scratch, motion_of, walk_lifted
+from firstcontact.contact.polyhedra.problems.lifted_problem import lifted_scratch, motion_of, walk_lifted
 from firstcontact.errors import FirstContactError
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.search.lifted.lifted_elements import Elements, corners_of_tree, facets_of

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from firstcontact.contact.polyhedra.engines import ByEngine
-from firstcontact.contact.polyhedra.lifted_problem import lifted_scratch, motion_of, walk_lifted
+from firstcontact.contact.polyhedra.problems.lifted_problem import lifted_scratch, motion_of, walk_lifted
 from firstcontact.search.levels.composed import (
     FEATURE,
     FORM,

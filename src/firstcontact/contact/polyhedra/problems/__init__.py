@@ -1,0 +1,5 @@
+"""What every kind of motion gives to a search of two polyhedra, and to the ways to search.
+
+problem                chooses; the others are one for each kind of motion
+composed_problem, lifted_problem, sweep_problem   translations and rotations by these engines
+"""
