@@ -212,7 +212,7 @@ def test_answers_of_parts_are_named_by_their_faces():
     assert hit.element_b.label.startswith("filleted box ")
 
 
-@pytest.mark.parametrize("seed", [8, 16])
+@pytest.mark.parametrize("seed", [16, 20])
 def test_random_machined_parts_are_as_open_cascade_has_them(seed):
     """A share of benchmarks/step_random.py."""
     shape = step_random.part(seed)
