@@ -5,12 +5,18 @@ import pytest
 
 pytest.importorskip("OCP")
 
+import sys  # noqa: E402
+from pathlib import Path  # noqa: E402
+
 from OCP.BRepClass3d import BRepClass3d_SolidClassifier  # noqa: E402
 from OCP.gp import gp_Pnt  # noqa: E402
 from OCP.TopAbs import TopAbs_State  # noqa: E402
 
 import firstcontact as fc  # noqa: E402
 from step import shapes  # noqa: E402
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
+import step_random  # noqa: E402
 
 
 def plate(nx=2, ny=2):
@@ -205,3 +211,12 @@ def test_answers_of_parts_are_named_by_their_faces():
     hit = fc.first_contact(lone, body)
     assert hit.time == pytest.approx((9 - 1.6 - (1.4**2 - 0.6**2) ** 0.5) / 9, abs=1e-9)
     assert hit.element_b.label.startswith("filleted box ")
+
+
+@pytest.mark.parametrize("seed", [16, 20])
+def test_random_machined_parts_are_as_open_cascade_has_them(seed):
+    """A share of benchmarks/step_random.py."""
+    shape = step_random.part(seed)
+    body = fc.from_shape(shape, surfaces=True)
+    assert any(isinstance(piece.body, fc.CompositeQuadric) for piece in body.pieces)
+    assert step_random.differing(shape, body, step_random.asked_points(body, seed, 400)) == []

@@ -154,6 +154,11 @@ def test_broken_files_end_in_a_line_that_names_the_entity(tmp_path, block):
     opened = re.sub(rf"(#{shell} = CLOSED_SHELL\(.*?),#{face}\b", r"\1", text, flags=re.S)
     told = broken(path, opened)
     assert re.search(r"its shell is open at edge #\d+, which borders face #\d+ alone", told)
+    bare = re.sub(rf"(#{shell} = CLOSED_SHELL\('',).*?;", r"\1());", text, flags=re.S)
+    assert broken(path, bare) == f"it: entity #{shell} (CLOSED_SHELL) has no faces; export the model again"
+    point = entities(block, "CARTESIAN_POINT")[3]
+    nan = re.sub(rf"(#{point} = CARTESIAN_POINT\('',\().*?;", r"\1NAN,0.,0.));", text, flags=re.S)
+    assert broken(path, nan).startswith(f"it: entity #{point} (CARTESIAN_POINT) has NAN where a number belongs")
     curves = text[: text.index("#10 = ")] + "ENDSEC;\nEND-ISO-10303-21;\n"
     assert "which is not in the file" in broken(path, curves) or "holds no" in broken(path, curves)
 

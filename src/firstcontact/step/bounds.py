@@ -52,10 +52,10 @@ def chart_of(surface: Geom_Surface, box: tuple[float, float, float, float]) -> C
         return _even(r, 1.0, r, 0.0, 0.0)
     if kind == "Geom_SphericalSurface":
         r = surface.Radius()
-        return _even(r, r, r, r, r)
+        return Chart(lambda boxes: _ringed(0.0, r, boxes))
     if kind == "Geom_ToroidalSurface":
         big, small = surface.MajorRadius(), surface.MinorRadius()
-        return _even(big + small, small, big + small, small, small)
+        return Chart(lambda boxes: _ringed(big, small, boxes))
     if kind == "Geom_ConicalSurface":
         sine, radius = abs(math.sin(surface.SemiAngle())), surface.RefRadius()
 
@@ -80,6 +80,14 @@ def chart_of(surface: Geom_Surface, box: tuple[float, float, float, float]) -> C
 def _even(*values: float) -> Chart:
     row = np.array(values)
     return Chart(lambda boxes: np.tile(row, (len(boxes), 1)))
+
+
+def _ringed(big: float, small: float, boxes: np.ndarray) -> np.ndarray:
+    """Of (big + small cos v) turned by u; cos v and sin v differ from those of the middle by half the width at most."""
+    middle, half = 0.5 * (boxes[:, 2] + boxes[:, 3]), 0.5 * (boxes[:, 3] - boxes[:, 2])
+    cosine, sine = (np.minimum(np.abs(f(middle)) + half, 1.0) for f in (np.cos, np.sin))
+    out, one = big + small * cosine, np.ones(len(boxes))
+    return np.column_stack([out, small * one, out, small * sine, small * one])
 
 
 def _extruded(curve: Curve, boxes: np.ndarray) -> np.ndarray:
@@ -119,6 +127,10 @@ class Curve:
         else:
             raise NotBounded(kind)
         self.lo, self.hi = lo, hi
+
+    @property
+    def is_straight(self) -> bool:
+        return not self.axes.any()
 
     def _from_nets(self, curve: Geom_Curve | Geom2d_Curve, size: int) -> None:
         nets, knots = _curve_nets(curve, size)

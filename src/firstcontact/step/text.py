@@ -11,6 +11,8 @@ from firstcontact.errors import InputError
 _DEFINED = re.compile(rb"(?:^|[;\s])#(\d+)\s*=\s*(\(|[A-Z_0-9]+)")
 _USED = re.compile(rb"#(\d+)")
 _STRINGS = re.compile(rb"'(?:[^']|'')*'")
+_NO_NUMBER = re.compile(rb"[(,]\s*([-+]?(?:NAN|INF(?:INITY)?)|[-+]?1\.#\w+)\s*(?=[,)])", re.I)
+_NO_FACES = re.compile(rb"#(\d+)\s*=\s*(CLOSED_SHELL|OPEN_SHELL)\s*\([^;()]*\(\s*\)\s*\)")
 _COMMENTS = re.compile(rb"/\*.*?\*/", re.S)
 
 
@@ -29,11 +31,23 @@ def checked(path: Path) -> dict[int, str]:
     if b"END-ISO-10303-21" not in bare:
         last = f"in or after entity #{list(kinds)[-1]}" if kinds else "before any entity"
         raise InputError(f"{path}: the file ends {last}, without END-ISO-10303-21; it was cut off: export it again")
+    _check_values(path, bare[max(data, 0) :])
     for number in _USED.findall(bare, max(data, 0)):
         if int(number) not in kinds:
             raise InputError(f"{path}: {_user(bare, data, number)}refers to #{int(number)}, which is not in the file; "
                              "export it again")  # fmt: skip
     return kinds
+
+
+def _check_values(path: Path, data: bytes) -> None:
+    """InputError where a number is none, which OpenCASCADE reads as 0, or a shell has no faces, which it leaves out."""
+    empty, wrong = _NO_FACES.search(data), _NO_NUMBER.search(data)
+    if empty:
+        raise InputError(f"{path}: entity #{int(empty[1])} ({empty[2].decode()}) has no faces; export the model again")
+    if wrong:
+        number, kind = _DEFINED.findall(data, 0, wrong.start())[-1]
+        told = f"entity #{int(number)} ({kind.decode().strip('(')})"
+        raise InputError(f"{path}: {told} has {wrong[1].decode()} where a number belongs; export the model again")
 
 
 def _user(bare: bytes, data: int, number: bytes) -> str:

@@ -16,6 +16,7 @@ import numpy as np
 from firstcontact.errors import InputError
 from firstcontact.step.bounds import SAFE, Chart, Curve, NotBounded, chart_of
 from firstcontact.step.charts import Elementary, elementary
+from firstcontact.step.sagitta import LONGER, drift, is_round, sagitta
 from firstcontact.step.solids import Solid, Use, forward
 
 if TYPE_CHECKING:
@@ -24,14 +25,18 @@ if TYPE_CHECKING:
     from OCP.Poly import Poly_Triangulation
     from OCP.TopLoc import TopLoc_Location
 
-COARSE, ANGLE = (0.4, 0.1, 0.02), 0.6
+COARSE, ANGLE = (0.8, 0.4, 0.1, 0.02), 0.6
 """What OpenCASCADE is asked for: a part of the deviation, the next one where triangles could not be made finer; and the
 angle between sides that follow each other."""
-OVER, BESIDE = 0.5, 0.45
-"""Parts of the deviation for what lies over triangles, and for what lies beside them at a face's border."""
+OVER, BESIDE, ALONE = 0.5, 0.45, 0.95
+"""Parts of the deviation for what lies over triangles, and for what lies beside them at a face's border; of either
+where the other is nothing."""
 PARTS = 4
 """Equal parts of a triangle's sides, and of a curve's, in which bounds that are too rough are looked at again."""
-ROUNDS = 30
+REST = 0.4
+"""Of what lies over triangles of round faces: what may be off at borders, and of triangles across the surface."""
+ROUNDS = 200
+"""Around the tip of a cone triangles that lie across it are halved one after the other."""
 MOST_TRIANGLES = 1_000_000
 
 Node = tuple[str, int, int]
@@ -126,6 +131,18 @@ class _Face:
     """What corners are off the curves, in parameters, as a length."""
     known: Elementary | None = None
     """The chart, where it is a simple one."""
+    round: bool = False
+    """Whether bounds are those of `sagitta`; `over` is not used then."""
+    over_most: float = OVER
+    beside_most: float = BESIDE
+    """Parts of the deviation."""
+
+    around: _Around | None = None
+    """What was found of it last, until it is cut again."""
+
+    def __post_init__(self) -> None:
+        self.low, self.high = np.min(self.uv, axis=0), np.max(self.uv, axis=0)
+        """Of all parameters of corners."""
 
     def places(self, uv: np.ndarray) -> np.ndarray:
         """(n, 3) points of the surface at the (n, 2) parameters."""
@@ -156,6 +173,8 @@ class _Builder:
             if sum(len(face.triangles) for face in faces) > MOST_TRIANGLES:
                 raise InputError(f"{self.solid.who}: more than {MOST_TRIANGLES:,} triangles for deviation= "
                                  f"{self.wanted:.3g}; give a larger one")  # fmt: skip
+        else:
+            raise Folded("its triangles do not come near to its faces, however often they are halved")
         return self._joined(faces)
 
     def _joined(self, faces: list[_Face]) -> Net:
@@ -205,6 +224,7 @@ class _Builder:
         face = _Face(number, surface, chart, flipped, uv, [-1] * len(uv), found, [None] * len(found))
         face.known = elementary(surface)
         face.flat = surface.DynamicType().Name() == "Geom_Plane"
+        face.round = face.known is not None and is_round(face.known)
         for use in self.solid.uses[number]:
             self._weld(number, face, use, net, location)
         for k, id_ in enumerate(face.ids):
@@ -213,6 +233,10 @@ class _Builder:
         places = face.places(np.array(uv))
         off = np.linalg.norm(np.array([self.points[k] for k in face.ids]) - places, axis=1)
         face.off += float(off.max())
+        if face.flat:
+            face.beside_most = ALONE
+        elif all(border.bends.is_straight for border in face.borders.values()):
+            face.over_most = ALONE
         return face
 
     def _number(self, node: Node, place: np.ndarray) -> int:
@@ -286,24 +310,39 @@ class _Builder:
 
     def _length(self, face: _Face, off: np.ndarray) -> float:
         """How long a step in parameters is at most."""
-        u, v = np.array(face.uv).T
-        most = face.chart.over(np.array([[u.min() - off[0], u.max() + off[0], v.min() - off[1], v.max() + off[1]]]))[0]
+        if not off.any():
+            return 0.0
+        (u0, v0), (u1, v1) = face.low - off, face.high + off
+        most = face.chart.over(np.array([[u0, u1, v0, v1]]))[0]
         return float(most[0] * off[0] + most[1] * off[1])
 
     # -- finer --------------------------------------------------------------------------------------------------
 
     def _too_far(self, face: _Face) -> set[Segment]:
         """The sides to be halved: of triangles that are too far from the surface, and along curved borders."""
+        marked = self._far_from_round(face) if face.round else self._far_from_others(face)
+        most = face.beside_most * self.wanted
+        return marked | {side for side, border in face.borders.items() if self._beside(face, border) > most}
+
+    def _far_from_round(self, face: _Face) -> set[Segment]:
+        """What is off at borders may be REST of all; the triangles the remainder."""
+        all_, most = _around(face), face.over_most * self.wanted
+        far = np.where(all_.along, all_.away > most - min(all_.rest, REST * most), all_.loose > REST * most)
+        corners = np.array(face.triangles)
+        marked: set[Segment] = set()
+        for k, side in zip(np.flatnonzero(far).tolist(), all_.longest[far].tolist(), strict=True):
+            i, j = corners[k, side].item(), corners[k, (side + 1) % 3].item()
+            marked.add((min(i, j), max(i, j)))
+        return marked | {side for side, x in zip(face.borders, all_.drift.tolist(), strict=True) if x > REST * most}
+
+    def _far_from_others(self, face: _Face) -> set[Segment]:
         marked: set[Segment] = set()
         unknown = [k for k, over in enumerate(face.over) if over is None]
         if unknown:
             for k, (over, side) in zip(unknown, self._bounds(face, unknown), strict=True):
                 face.over[k] = over
-                if over > OVER * self.wanted:
+                if over > face.over_most * self.wanted:
                     marked.add(side)
-        for side, border in face.borders.items():
-            if self._beside(face, border) > BESIDE * self.wanted:
-                marked.add(side)
         return marked
 
     def _bounds(self, face: _Face, which: list[int]) -> list[tuple[float, Segment]]:
@@ -311,12 +350,9 @@ class _Builder:
         uv = np.array(face.uv)
         corners = np.array([face.triangles[k] for k in which])
         p = uv[corners]
-        low, high = p.min(axis=1), p.max(axis=1)
-        most = face.chart.over(np.column_stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]]))
-        over = _bend(most, np.ptp(p, axis=1)) / 8
+        over, sides = _parametric(face, p)
         ends = [(0, 1), (1, 2), (2, 0)]
-        sides = np.column_stack([_bend(most, np.abs(p[:, i] - p[:, j])) for i, j in ends])
-        rough = over > OVER * self.wanted
+        rough = over > face.over_most * self.wanted
         if rough.any():
             over[rough] = np.minimum(over[rough], over[rough] / PARTS**2 + _seen(face, p[rough]))
         longest = [ends[k] for k in sides.argmax(axis=1).tolist()]
@@ -338,6 +374,9 @@ class _Builder:
 
     def _split(self, face: _Face, sides: set[Segment]) -> None:
         """Halve these sides, and cut the triangles that have them."""
+        if not sides:
+            return
+        face.around = None
         middle = {side: self._middle(face, side) for side in sorted(sides)}
         triangles: list[tuple[int, int, int]] = []
         over: list[float | None] = []
@@ -364,6 +403,7 @@ class _Builder:
         t = 0.5 * (border.t0 + border.t1)
         p = border.curve.Value(t)
         face.uv.append((p.X(), p.Y()))
+        face.low, face.high = np.minimum(face.low, face.uv[-1]), np.maximum(face.high, face.uv[-1])
         key = border.edge, min(face.ids[i], face.ids[j]), max(face.ids[i], face.ids[j])
         if key not in self.middles:
             self.middles[key] = self._number(("edge", border.edge, len(self.nodes) + MOST_TRIANGLES),
@@ -378,7 +418,11 @@ class _Builder:
 
     def _deviation(self, face: _Face) -> float:
         """Proved bound for one face."""
-        over = max(x for x in face.over if x is not None)
+        if face.round:
+            all_ = _around(face)
+            over = float(all_.away[all_.along].max(initial=0.0)) + all_.rest
+        else:
+            over = max(x for x in face.over if x is not None)
         beside = max((self._beside(face, border) for border in face.borders.values()), default=0.0)
         return (over + beside + face.apart + face.off) * SAFE
 
@@ -393,6 +437,47 @@ def _bend(most: np.ndarray, steps: np.ndarray) -> np.ndarray:
     du, dv = steps[:, 0], steps[:, 1]
     found: np.ndarray = most[:, 2] * du**2 + 2 * most[:, 3] * du * dv + most[:, 4] * dv**2
     return found
+
+
+def _parametric(face: _Face, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) bounds of how far the surface at parameters in triangles (n, 3, 2) is from their points there, and of each
+    side what it adds, (n, 3)."""
+    low, high = p.min(axis=1), p.max(axis=1)
+    most = face.chart.over(np.column_stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]]))
+    sides = np.column_stack([_bend(most, np.abs(p[:, i] - p[:, j])) for i, j in ((0, 1), (1, 2), (2, 0))])
+    return _bend(most, high - low) / 8, sides
+
+
+@dataclass(frozen=True)
+class _Around:
+    """Of a round face: of each triangle the bound where it lies along the surface, the other one where it does not, and
+    its side that bends most; of each border side the drift; and the most that these and loose triangles add to all."""
+
+    away: np.ndarray
+    along: np.ndarray
+    loose: np.ndarray
+    longest: np.ndarray
+    drift: np.ndarray
+    rest: float
+
+
+def _around(face: _Face) -> _Around:
+    if face.around is None:
+        face.around = _looked_around(face)
+    return face.around
+
+
+def _looked_around(face: _Face) -> _Around:
+    assert face.known is not None
+    uv = np.array(face.uv)
+    p = uv[np.array(face.triangles)]
+    parametric, sides = _parametric(face, p)
+    found = sagitta(face.known, p, parametric)
+    ends = uv[np.array(list(face.borders), int).reshape(-1, 2)]
+    off = drift(face.known, ends, _parametric(face, ends[:, [0, 1, 1]])[0])
+    loose = np.where(found.along, 0.0, LONGER * parametric)
+    longest = np.where(found.along, found.of_sides.argmax(axis=1), sides.argmax(axis=1))
+    return _Around(found.away, found.along, loose, longest, off, float(max(off.max(initial=0.0), loose.max())))
 
 
 def _cut(triangle: tuple[int, int, int], middle: dict[Segment, int]) -> list[tuple[int, int, int]]:
