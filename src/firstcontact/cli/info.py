@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -96,12 +96,11 @@ def _brief(scene: Scene) -> list[str]:
     return [*lines, f"  from ({point(lo)}) to ({point(hi)})"]
 
 
-def _sort(body: Shape) -> str:
-    from firstcontact.body.polyhedron.polyhedron import Polyhedron
-
-    if isinstance(body, Polyhedron):
+def _sort(body: Any) -> str:
+    if body.kind == "Polyhedron":
         return f"of meshes, {mesh_kind(body)}"
-    return {"CompositeQuadric": "of planes and quadrics", "RuledSurface": "of ruled surfaces"}.get(body.kind, body.kind)
+    words = {"CompositeQuadric": "of planes and quadrics", "RuledSurface": "of ruled surfaces"}
+    return words.get(body.kind, str(body.kind))
 
 
 def _some(keys: list[str]) -> str:
