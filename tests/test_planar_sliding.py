@@ -11,7 +11,7 @@ from flint import fmpq
 import firstcontact as fc
 from amount import amount
 from firstcontact.contact.polyhedra.planar import has_walls
-from firstcontact.contact.polyhedra.problem import problem_of
+from firstcontact.contact.polyhedra.problems.problem import problem_of
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.search.trees.windows import DONE, STACK
 
