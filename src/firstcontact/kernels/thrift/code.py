@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
@@ -10,12 +11,15 @@ from llvmlite.ir import Constant, Type
 from llvmlite.ir._utils import NameScope
 from llvmlite.ir.instructions import Instruction
 from llvmlite.ir.types import IdentifiedStructType, VoidType
-from llvmlite.ir.values import Block, NamedValue
-from numba.core import base, byteflow, codegen, ir, lowering, ssa, typeinfer
+from llvmlite.ir.values import Block, NamedValue, Value
+from numba.core import base, byteflow, codegen, ir, lowering, ssa, typeinfer, types
+from numba.core.datamodel.manager import DataModelManager
 from numba.core.types.abstract import _TypeMetaclass
 from numba.core.typing import context
 
 from firstcontact.kernels.thrift.replaced import no_context, nothing, put
+
+Context = base.BaseContext | context.BaseContext
 
 _refresh: Any = base.BaseContext.refresh
 _refresh_types: Any = context.BaseContext.refresh
@@ -53,7 +57,7 @@ def _unsaid(_: object) -> str:
     return "an assignment"
 
 
-def _name(scope: Any, name: str, deduplicate: bool = False) -> str:
+def _name(scope: NameScope, name: str, deduplicate: bool = False) -> str:
     """Most values have no name of their own; no other name begins with a point and a digit."""
     if name or not deduplicate:
         told: str = _register(scope, name, deduplicate)
@@ -63,7 +67,8 @@ def _name(scope: Any, name: str, deduplicate: bool = False) -> str:
 
 
 def _begin(
-    instruction: Any, parent: Any, kind: Any, opname: str, operands: Any, name: str = "", flags: Any = ()
+    instruction: Instruction, parent: Block, kind: Type, opname: str, operands: Sequence[Value], name: str = "",
+    flags: Sequence[str] = (),
 ) -> None:
     instruction.parent, instruction.type = parent, kind
     instruction._name = parent.scope.register(name, True)
@@ -71,43 +76,46 @@ def _begin(
     instruction.flags, instruction.metadata = list(flags), {}
 
 
-def _line(value: Any) -> str:
+def _line(value: NamedValue) -> str:
     said: list[str] = []
     value.descr(said)
     line = "".join(said).rstrip()
     return line if type(value.type) is VoidType else f"{value.get_reference()} = {line}"
 
 
-def _lines(block: Any, said: list[str]) -> None:
+def _lines(block: Block, said: list[str]) -> None:
     said.append(f"{block._format_name()}:\n")
     said += [f"  {instruction._to_string()}\n" for instruction in block.instructions]
 
 
-def _constant(kind: Any, value: Any) -> Any:
+def _constant(kind: Type, value: object) -> Constant:
     return Constant(kind, value)
 
 
-def _size(context: Any, kind: Any) -> Any:
+def _size(context: Any, kind: Type) -> int:
     """Bytes of a value, for which LLVM reads a module each time."""
+    library: Any = context.codegen()
+    known: dict[str, int] = vars(library).setdefault("_sizes", {})
+    size: int | None
     if isinstance(kind, IdentifiedStructType):
-        return _bytes_of(context, kind)
-    known = vars(context.codegen()).setdefault("_sizes", {})
+        size = _bytes_of(context, kind)
+        return size
     if (size := known.get(told := str(kind))) is None:
         size = known[told] = _bytes_of(context, kind)
     return size
 
 
-def _registered(context: Any) -> tuple[int, int]:
+def _registered(context: Context) -> tuple[int, int]:
     """How much there is that kernels may call: more where modules are imported and overloads declared."""
     lists = (item for registry in context._registries for item in vars(registry).values())
     return len(sys.modules), sum(map(len, lists))
 
 
-def _refresh_changed(context: Any) -> None:
+def _refresh_changed(context: Context) -> None:
     _once(context, _refresh)
 
 
-def _refresh_changed_types(context: Any) -> None:
+def _refresh_changed_types(context: Context) -> None:
     _once(context, _refresh_types)
 
 
@@ -115,28 +123,28 @@ _seen: dict[int, tuple[int, int]] = {}
 """By what the copies of a context share."""
 
 
-def _once(context: Any, refresh: Any) -> None:
+def _once(context: Context, refresh: Callable[[Context], None]) -> None:
     if _seen.get(id(context._registries)) != _registered(context):
         refresh(context)
         _seen[id(context._registries)] = _registered(context)
 
 
 @cache
-def _counted(kind: Any, models: Any) -> bool:
+def _counted(kind: types.Type, models: DataModelManager) -> bool:
     return bool(models[kind].contains_nrt_meminfo())
 
 
-def _counted_up(lower: Any, kind: Any, value: Any) -> None:
+def _counted_up(lower: lowering.Lower, kind: types.Type, value: Value) -> None:
     if lower.context.enable_nrt and _counted(kind, lower.context.data_model_manager):
         _increase(lower, kind, value)
 
 
-def _counted_down(lower: Any, kind: Any, value: Any) -> None:
+def _counted_down(lower: lowering.Lower, kind: types.Type, value: Value) -> None:
     if lower.context.enable_nrt and _counted(kind, lower.context.data_model_manager):
         _decrease(lower, kind, value)
 
 
-def _forget(lower: Any, name: str) -> None:
+def _forget(lower: lowering.Lower, name: str) -> None:
     """A variable that is not used any more: nothing to do for what holds no array that is counted."""
     if lower.context.enable_nrt and _counted(lower.typeof(name), lower.context.data_model_manager):
         _delete(lower, name)

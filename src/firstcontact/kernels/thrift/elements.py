@@ -6,12 +6,15 @@ that; what it ends with is the same.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numba
-from llvmlite.ir import Constant
+from llvmlite.ir import Constant, IRBuilder, Value
 from llvmlite.ir.instructions import InsertValue
 from numba.core import types
+from numba.core.base import BaseContext
+from numba.core.cgutils import _StructProxy
 from numba.core.datamodel import default_manager
 from numba.np import arrayobj
 
@@ -30,13 +33,15 @@ def apply() -> None:
     put(arrayobj, make_array=_make_array, basic_indexing=_basic_indexing)
 
 
-def _make_array(kind: Any) -> Any:
+def _make_array(kind: types.Array) -> type[_StructProxy] | Callable[..., _StructProxy | _Known]:
     """`numba.np.arrayobj.make_array`: the record of an array, of which it is told whether it is there already."""
     made = _struct_of(kind)
     if type(kind) is not types.Array:
         return made
 
-    def record(context: Any, builder: Any, value: Any = None, ref: Any = None) -> Any:
+    def record(
+        context: BaseContext, builder: IRBuilder, value: Value | None = None, ref: Value | None = None
+    ) -> _StructProxy | _Known:
         if value is None or ref is not None:
             return made(context, builder, value=value, ref=ref)
         return _Known(made, context, builder, value)
@@ -47,7 +52,7 @@ def _make_array(kind: Any) -> Any:
 class _Known:
     """An array's record that is read; on the stack only if more is asked of it than its fields."""
 
-    def __init__(self, made: Any, context: Any, builder: Any, value: Any) -> None:
+    def __init__(self, made: type[_StructProxy], context: BaseContext, builder: IRBuilder, value: Value) -> None:
         self.__dict__.update(_how=(made, context, builder), _value=value, _stored=None)
 
     def __getattr__(self, name: str) -> Any:
@@ -55,20 +60,20 @@ class _Known:
             return part(self._how[2], self._value, _FIELDS[name])
         return getattr(self._on_stack(), name)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         setattr(self._on_stack(), name, value)
 
-    def _getvalue(self) -> Any:
+    def _getvalue(self) -> Value:
         return self._value if self._stored is None else self._stored._getvalue()
 
-    def _on_stack(self) -> Any:
+    def _on_stack(self) -> _StructProxy:
         if self._stored is None:
             made, context, builder = self._how
             self.__dict__["_stored"] = made(context, builder, value=self._value)
         return self._stored
 
 
-def part(builder: Any, whole: Any, index: int) -> Any:
+def part(builder: IRBuilder, whole: Value, index: int) -> Value:
     """A field of a record, as it was put in where that can be seen."""
     while isinstance(whole, InsertValue):
         (at,) = whole.indices
@@ -79,8 +84,9 @@ def part(builder: Any, whole: Any, index: int) -> Any:
 
 
 def _basic_indexing(
-    context: Any, builder: Any, kind: Any, array: Any, index_types: Any, indices: Any, boundscheck: Any = None
-) -> Any:
+    context: BaseContext, builder: IRBuilder, kind: types.Array, array: _StructProxy | _Known,
+    index_types: Sequence[types.Type], indices: Sequence[Value], boundscheck: bool | None = None,
+) -> tuple[Value, Sequence[Value], Sequence[Value]]:
     """Where an element lies, of an array in C's order by whole numbers; anything else as Numba does it."""
     element = 0 < len(indices) == kind.ndim and all(isinstance(of, types.Integer) for of in index_types)
     if boundscheck or kind.layout != "C" or not element:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from llvmlite.binding import create_new_function_pass_manager
+from llvmlite.binding import FunctionPassManager, ModuleRef, PassBuilder, create_new_function_pass_manager
 from numba.core import base, compiler_machinery, errors, event, ir, postproc
-from numba.core.codegen import CPUCodeLibrary
+from numba.core.codegen import CPUCodegen, CPUCodeLibrary
 from numba.core.targetconfig import ConfigStack, TargetConfig
 from numba.core.transforms import canonicalize_cfg
 from numba.core.types.functions import BaseFunction
@@ -34,7 +34,7 @@ def apply() -> None:
     put(compiler_machinery, enforce_no_dels=nothing)  # a check of Numba's own steps, after each of them
 
 
-def _equal_options(one: Any, other: Any) -> Any:
+def _equal_options(one: TargetConfig, other: object) -> bool:
     """Options are compared whenever an operator is looked up: by those that are set."""
     if type(one) is not type(other):
         return NotImplemented
@@ -42,13 +42,13 @@ def _equal_options(one: Any, other: Any) -> Any:
     return mine == its or all(getattr(one, name) == getattr(other, name) for name in mine.keys() | its.keys())
 
 
-def _hash_of_options(one: Any) -> int:
+def _hash_of_options(one: TargetConfig) -> int:
     """Numba's is of their names alone.  Options that are equal are set by the same names, but for defaults."""
     known = type(one).options
     return hash(frozenset(n for n, value in one._values.items() if value is True and known[n].default is not True))
 
 
-def _tidy(library: Any, module: Any) -> None:
+def _tidy(library: CPUCodeLibrary, module: ModuleRef) -> None:
     """Functions before they are linked: they are optimized together, in what Python calls."""
     module.data_layout = library._codegen._data_layout
     passes, builder = _tidying(library._codegen)
@@ -58,7 +58,7 @@ def _tidy(library: Any, module: Any) -> None:
 
 
 @cache
-def _tidying(codegen: Any) -> tuple[Any, Any]:
+def _tidying(codegen: CPUCodegen) -> tuple[FunctionPassManager, PassBuilder]:
     passes = create_new_function_pass_manager()
     passes.add_sroa_pass()
     passes.add_simplify_cfg_pass()
@@ -83,7 +83,7 @@ def _call_type(function: Any, context: Any, args: Any, kws: Any) -> Any:
     return signature
 
 
-def _run_after(processor: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+def _run_after(processor: postproc.PostProcessor, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
     """How long variables live is asked once, before a function gets its code, not after each step."""
     code = processor.func_ir
     if emit_dels or code.is_generator:
@@ -94,9 +94,9 @@ def _run_after(processor: Any, emit_dels: bool = False, extend_lifetimes: bool =
     code.generator_info = None
 
 
-def _variables(statement: Any, value: Any) -> list[Any]:
+def _variables(statement: ir.Inst, value: Any) -> list[ir.Var]:
     """Those of a statement's parts: most are words and places in files."""
-    found: list[Any] = []
+    found: list[ir.Var] = []
     kind = type(value)
     if kind is dict:
         value = value.values()
