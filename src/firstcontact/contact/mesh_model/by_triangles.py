@@ -378,8 +378,10 @@ class _Answer:
     def _groups(self, left: list[Open]) -> list[list[Open]]:
         """What is decided together: all for a complete answer, else triangle by triangle, early ones first."""
         ordered = sorted(left, key=lambda x: x.free_until)
-        single = list({x.primitive: [x] for x in reversed(ordered)}.values())
-        return [ordered] if self.exact and ordered else single
+        single: dict[int, list[Open]] = {}
+        for x in ordered:
+            single.setdefault(x.primitive, [x])
+        return [ordered] if self.exact and ordered else list(single.values())
 
     def _earliest(self, left: list[Open], window: Window) -> list[Open]:
         """The triangles that touch first, each looked at alone, and those that exact arithmetic leaves open."""
