@@ -1,4 +1,4 @@
-"""What doubles leave open of a mesh before a solid: exact arithmetic looks at the triangles that may be first, first."""
+"""What doubles leave open of a mesh before a solid: exact arithmetic looks first at the triangles that may be first."""
 
 from fractions import Fraction as F
 
@@ -19,8 +19,8 @@ def walls():
 
 @pytest.mark.parametrize("order", [range(WALLS), reversed(range(WALLS)), (3, 5, 0, 4, 1, 2)], ids=["", "back", "mixed"])
 def test_the_first_of_the_triangles_that_are_open_is_told(monkeypatch, order):
-    """The triangle that another piece may meet last of all was looked at first, and what is free beyond its contact ended
-    the search: all others were left out as later ones, those before it too."""
+    """The triangle that another piece may meet last of all was looked at first, and what is free beyond its contact
+    ended the search: all others were left out as later ones, those before it too."""
     left = [Open(k, 0, float(MEETS[k]) - 0.03) for k in order] + [Open(3, 1, 0.95)]
     until = min(x.free_until for x in left)
     monkeypatch.setattr(MeshSearch, "run", lambda *_: Swept("open", until, open=left, reason="precision"))
