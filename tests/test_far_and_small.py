@@ -73,8 +73,12 @@ def test_the_answer_is_that_near_the_origin(pair, motion, size):
     assert far.point == pytest.approx(near.point + [float(x) for x in AWAY], abs=1e-12 * float(size) + 2e-13)
     found = (fc.contact_intervals(above.moving(way), below),
              fc.contact_intervals(carried(above, way), carried(below, None)))  # fmt: skip
-    for one, other in zip(*found, strict=not any(x.status is fc.Status.UNDECIDED for x in found)):
-        assert (one.start, one.end) == pytest.approx((other.start, other.end), abs=1e-11)
+    is_open = any(x.status is fc.Status.UNDECIDED for x in found)
+    for one, other in zip(*found, strict=not is_open):
+        assert one.start == pytest.approx(other.start, abs=1e-11)
+        assert is_open or one.end == pytest.approx(other.end, abs=1e-11)
+        (lo, hi), (least, most) = one.end_interval, other.end_interval
+        assert lo <= most + 1e-15 and least <= hi + 1e-15
 
 
 @pytest.mark.parametrize("motion", list(motions(F(1))))

@@ -147,7 +147,7 @@ def deepest(box, triangles):
 def test_separating_axes_part_boxes_from_the_mesh_until_they_meet():
     """A truth that shares nothing with the library: boxes by their corners, triangles, and where a shift takes them."""
     rng, seen, taken = np.random.default_rng(2011), [], 0
-    while seen.count(fc.Status.CONTACT) < amount(30, 15):
+    while seen.count(fc.Status.CONTACT) < amount(30, 30):
         lows = rng.integers(-3, 3, (3, 3))
         boxes = [(lo, lo + rng.integers(1, 4, 3)) for lo in lows]
         parts = [fc.box((hi - lo).tolist()).translated([Fraction(int(x), 2) for x in lo + hi]) for lo, hi in boxes]
