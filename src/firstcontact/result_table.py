@@ -49,21 +49,25 @@ class Rows:
 
     dtype = ROW
 
-    def __init__(self, n: int) -> None:
-        self.array = self._empty(n)
+    def __init__(self, n: int, cleared: bool = True) -> None:
+        """cleared: rows of which nothing is known; else what is there is arbitrary until `clear`."""
+        self.array = np.empty(n, self.dtype)
         self.errors: dict[int, str] = {}
         self.later: list[Callable[[], None]] = []
         """Each fills the columns PLACED of some contacts."""
+        if cleared:
+            self.clear()
 
-    def _empty(self, n: int) -> np.ndarray:
-        """Rows of which nothing is known."""
+    def clear(self) -> None:
+        """Nothing is known of any row."""
         row = np.zeros(1, self.dtype)
         for name in row.dtype.names or ():
             if row.dtype[name].base.kind == "f":
                 row[name] = np.nan
             elif name.startswith("index"):
                 row[name] = -1
-        return np.repeat(row, n)
+        whole = np.dtype((np.void, self.dtype.itemsize))  # row by row, not field by field
+        self.array.view(whole)[:] = row.view(whole)
 
     def __len__(self) -> int:
         return len(self.array)
@@ -104,7 +108,7 @@ class Rows:
 
     def refuse(self, row: int, error: str) -> None:
         """The question of that row has no answer but this error."""
-        self.array[row : row + 1] = self._empty(1)
+        self.part(slice(row, row + 1)).clear()
         self.array["error"][row] = True
         self.errors[row] = error
 
@@ -148,8 +152,8 @@ class IntervalRows(Rows):
 
     dtype = INTERVAL_ROW
 
-    def __init__(self, n: int) -> None:
-        super().__init__(n)
+    def __init__(self, n: int, cleared: bool = True) -> None:
+        super().__init__(n, cleared)
         self.found: dict[int, np.ndarray] = {}
 
     def fill(self, row: int, found: FirstContact | ContactIntervals) -> None:

@@ -29,9 +29,9 @@ class Asking:
         """Whether compiled walks may answer."""
         return self.verb == "first_contact" and self.arguments.get("engine", "auto") in ("auto", "boxes")
 
-    def rows(self, n: int) -> Rows:
-        """Empty ones for n answers."""
-        return (Rows if self.verb == "first_contact" else IntervalRows)(n)
+    def rows(self, n: int, cleared: bool = True) -> Rows:
+        """Those of n answers, of which nothing is known; if not `cleared`, arbitrary ones."""
+        return (Rows if self.verb == "first_contact" else IntervalRows)(n, cleared)
 
     @property
     def budget(self) -> int | None:

@@ -32,6 +32,8 @@ import numpy as np
 from firstcontact.batch.culling import free_by_boxes
 from firstcontact.batch.part import Asking, answer, answers, is_plain
 from firstcontact.batch.questions import Questions
+from firstcontact.body.kept import Kept
+from firstcontact.motion.moving import shape_of
 from firstcontact.result_table import Rows
 
 if TYPE_CHECKING:
@@ -56,6 +58,8 @@ THREAD_PART, FIRST_WALKED = 0.1, 512
 And questions of the first one, which makes what the others share; a second one of as many tells what one takes, where
 the first does not show that one part for each thread will do.
 """
+_PACES = Kept[tuple[Any, float]]()
+"""What a question about a body and another one takes, in seconds: then no first part is walked to tell it."""
 RETRIES, HOPELESS = 3, 40
 """How often a part is done again beside others, and losses in a row from which on it is not the questions' fault."""
 LOST = "the worker that looked at it was lost every time, as if it ran out of memory; ask it alone, with a budget"
@@ -136,9 +140,10 @@ def answered(
     boxes: bool | None = None,
 ) -> Rows:
     """All answers, by whoever takes part.  boxes: whether these are looked at first, as `free_by_boxes` has it."""
-    count, rows = Count(len(questions), progress), asking.rows(len(questions))
-    left = np.ones(len(questions), bool)
+    count, left = Count(len(questions), progress), np.ones(len(questions), bool)
     free = free_by_boxes(questions, boxes if is_plain(asking.arguments) else False)
+    by_threads = asking.walks and executor is None
+    rows = asking.rows(len(questions), cleared=len(free) > 0 or not by_threads)
     rows.free(free, np.ones(len(free)))
     left[free] = False
     count.add(len(free))
@@ -146,8 +151,8 @@ def answered(
         _Spread(questions, asking, rows, count).over(_elsewhere(executor, questions), np.flatnonzero(left))
         return rows
     n = cores() if workers is None else workers
-    if asking.walks:
-        left &= ~_by_threads(n, questions, asking, rows, count)
+    if by_threads:
+        left &= ~_by_threads(n, questions, asking, rows, count, clears=not len(free))
     _one_by_one(n, questions, asking, np.flatnonzero(left), rows, count, spare)
     return rows
 
@@ -167,24 +172,34 @@ def _one_by_one(
         done += 1
 
 
-def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count: Count) -> np.ndarray:
-    """Answers by compiled walks; tells of each row whether they did."""
+def _by_threads(
+    n: int, questions: Questions, asking: Asking, rows: Rows, count: Count, clears: bool
+) -> np.ndarray:
+    """Answers by compiled walks; tells of each row whether they did.
+
+    clears: each thread clears its rows first, which is when the system finds memory for them.
+    """
     from firstcontact.batch.together import walk_together  # loads what polyhedra need
 
     begun, done = threading.Event(), np.zeros(len(questions), bool)
 
     def walk(where: slice) -> int:
         begun.wait()
-        done[where] = some = walk_together(questions.part(where), asking, rows.part(where))
+        own = rows.part(where)
+        if clears:
+            own.clear()
+        done[where] = some = walk_together(questions.part(where), asking, own)
         return int(np.count_nonzero(some))
 
     begun.set()
-    at, n_all, n_parts = 0, len(questions), 0
+    at, n_all = 0, len(questions)
+    n_parts = _parts(n, n_all, _pace(questions))
     while at < min(2 * FIRST_WALKED, n_all) and n_parts != n:
         begin, part = time.perf_counter(), slice(at, min(at + FIRST_WALKED, n_all))
         count.add(walk(part))
         seconds, at = (time.perf_counter() - begin) / (part.stop - at), part.stop
-        n_parts = n * max(1, round(seconds * (n_all - at) / (n * THREAD_PART)))  # of one size, as many for each thread
+        n_parts = _parts(n, n_all - at, seconds)
+        _keep_pace(questions, seconds)
     if at == n_all:
         return done
     size = -(-(n_all - at) // n_parts)
@@ -199,6 +214,24 @@ def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count:
         begun.set()
         pool.shutdown(cancel_futures=True)
     return done
+
+
+def _parts(n: int, left: int, seconds: float) -> int:
+    """How many parts to cut questions into that take so long each: of one size, as many for each of n threads."""
+    return n * max(1, round(seconds * left / (n * THREAD_PART))) if seconds > 0.0 else 0
+
+
+def _pace(questions: Questions) -> float:
+    """Seconds that a question about the same two bodies took before; 0 where nothing is known."""
+    if len(questions.bodies) != 2:
+        return 0.0
+    known = _PACES.get(shape_of(questions.bodies[0]))
+    return known[1] if known is not None and known[0] is questions.bodies[1] else 0.0
+
+
+def _keep_pace(questions: Questions, seconds: float) -> None:
+    if len(questions.bodies) == 2:
+        _PACES.put(shape_of(questions.bodies[0]), (questions.bodies[1], seconds))
 
 
 # -- parts for others ---------------------------------------------------------------------------------------------
