@@ -31,7 +31,7 @@ def test_the_first_of_the_triangles_that_are_open_is_told(monkeypatch, order):
     assert hit.time_interval[0] <= MEETS[0] <= hit.time_interval[1]
 
 
-# -- slanted stairs of long triangles, which trees keep in parts, before a pin: their points tell what is too late ------
+# -- slanted stairs of long triangles, which trees keep in parts, before a pin: their points tell what is too late ---
 
 SHARES = np.concatenate([np.eye(3), np.random.default_rng(0).dirichlet((0.6, 0.6, 0.6), 60)])
 
