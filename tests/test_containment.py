@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import product
 
 import numpy as np
@@ -243,3 +244,22 @@ def test_boxes_of_components():
         for v, limits in zip(component_vertices(body), component_boxes(body), strict=True):
             of = body.vertices[labels == v]
             assert np.array_equal(limits, np.concatenate([of.min(axis=0), of.max(axis=0)]))
+
+
+def test_contact_for_ever_from_the_start_on():
+    """A touch that never ends has no end to compare: it was dropped, and the answer FREE."""
+    sides = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    a = fc.Polyhedron([(0, 2, -3), (3, 2, -3), (0, 4, -3), (0, 2, 0)], sides).moving(fc.Translation((2, 0, -1)))
+    b = fc.Polyhedron([(0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 3)], sides).moving(fc.Translation((2, 0, -1)))
+    (found,) = fc.contact_intervals(a, b, (0, math.inf))
+    assert (found.start, found.end) == (0, math.inf)
+    (found,) = fc.contact_intervals(a.body, b.body, (0, math.inf))
+    assert (found.start, found.end) == (0, math.inf)
+
+
+def test_points_that_are_one_all_the_time():
+    """Two coinciding points of one body and a third of another have no line between them."""
+    turn = fc.Rotation((2, 1, 2), (-1, -2, -2), radians=3)
+    way = fc.Sequence([fc.Screw((1, 2, 2), (2, 2, 1), turns=1, advance=5), turn])
+    a, b = fc.Polyhedron([(0, 0, -4), (0, 0, -4)], []).moving(way), fc.Polyhedron([(0, 0, -4)], []).moving(way)
+    assert fc.first_contact(a, b, (0.75, 1)).status in (fc.Status.INITIAL_CONTACT, fc.Status.UNDECIDED)

@@ -270,12 +270,12 @@ def _with_containment(problem: Problem, windows: list[Window], open_from: fmpq |
     end: Any = problem.end_instant() if open_from is None else RationalInstant(open_from)
     ends: list[tuple[Any, Any]] = [(None, begin), *windows, (end, None)]
     out: list[Window] = []
-    for before, after in pairwise(ends):
+    for k, (before, after) in enumerate(pairwise(ends)):
         left, right = before[1], after[0]
         is_gap = not (windows or open_from is not None) or problem.order(left, right) < 0
         inside = is_gap and contained_at(problem, left, right)
         if inside:  # from the end of what came before, which needs no comparison: it may be a ball
             out = [*out[:-1], (out[-1][0] if out else left, right)]
-        if after[1] is not None:
+        if k < len(windows):  # whose end may be None: never
             out = [*out[:-1], (out[-1][0], after[1])] if inside else [*out, after]
     return out

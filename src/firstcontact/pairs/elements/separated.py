@@ -47,6 +47,8 @@ def _axis(a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
     axes = np.concatenate([sides, across, np.cross(across[:, None], sides[None]).reshape(-1, 3)])
     length = np.linalg.norm(axes, axis=1)
     axes = axes[length > 1e-9 * length.max()]
+    if not len(axes):  # all points are one
+        return None
     axes = np.concatenate([axes, -axes]) / np.tile(np.linalg.norm(axes, axis=1), 2)[:, None]
     gaps = (axes @ b.T).min(axis=1) - (axes @ a.T).max(axis=1)
     best: np.ndarray = axes[int(gaps.argmax())]
