@@ -2,6 +2,7 @@
 
 import random
 import time as clock
+from fractions import Fraction as F
 
 import numpy as np
 import pytest
@@ -218,3 +219,17 @@ def test_signs_of_many_surfaces_are_exact():
     for point in ((third, third, fmpq(2)), (third, third, 2 - fmpq(1, 10**40)), (third, fmpq(-10), fmpq(0))):
         known = [s.value((*point, fmpq(1))) for s in body.surfaces]
         assert body.signs((*point, fmpq(1))) == [(v > 0) - (v < 0) for v in known]
+
+
+def test_a_box_beside_a_ball_takes_nothing_away():
+    """A plane of the box cuts the ball where the box is not: the ball's face was taken for known from that circle."""
+    ball = fc.sphere(2).transformed([[1, F(1, 4), 0, -3], [F(-1, 4), 0, -1, 0], [F(1, 4), 1, 0, -1], [0, 0, 0, 1]])
+    box = fc.box((F(7, 8), 1, F(5, 2))).transformed([
+        [F(58, 111), F(91, 111), F(26, 111), F(-61, 888)], [F(91, 111), F(-62, 111), F(14, 111), F(-467, 1776)],
+        [F(26, 111), F(14, 111), F(-107, 111), F(-1367, 888)], [0, 0, 0, 1],
+    ])  # fmt: skip
+    for solid in (ball - box, ball.translated((1, 0, 0)) - box.translated((1, 0, 0))):
+        assert [(face.surfaces[0], face.orientation) for face in solid.faces] == [(0, 1)] and not solid.edges
+    hit = fc.first_contact(fc.sphere(1).translated((-9, 0, -1)).moving(fc.Translation((6, 0, 0))), ball - box)
+    other = fc.first_contact(fc.sphere(1).translated((-9, 0, -1)).moving(fc.Translation((6, 0, 0))), ball)
+    assert hit.status is fc.Status.CONTACT and hit.time == other.time

@@ -257,11 +257,13 @@ def _sides_of_whole_surfaces(
     """Sides seen by lines through the middle of each surface: finds the faces that no curve bounds.
 
     Such a face is a whole component of its surface.  On connected surfaces with a curve of their own (`met`) it
-    would hold that curve and be known from it.
+    would hold that curve and be known from it; but curves are followed in regions only, where all of one may be beside
+    what is looked at, so surfaces of which nothing is known yet are asked too.
     """
     found: set[tuple[int, int]] = set()
+    seen = {i for i, _ in known}
     for i, surface in enumerate(surfaces):
-        if {(i, 1), (i, -1)} <= known | found or (i in met and _is_connected(surface)):
+        if {(i, 1), (i, -1)} <= known | found or (i in met and i in seen and _is_connected(surface)):
             continue
         region = regions.bounding(tree, i)
         if region is None:
