@@ -48,7 +48,7 @@ from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.motion.screw import Screw
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
-from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Touch
+from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Touch, first_of_each
 from firstcontact.search.convex.relation import Relation
 from firstcontact.search.trees.containment import component_labels, contains
 from firstcontact.search.trees.frame import tree_of
@@ -377,11 +377,9 @@ class _Answer:
 
     def _groups(self, left: list[Open]) -> list[list[Open]]:
         """What is decided together: all for a complete answer, else triangle by triangle, early ones first."""
-        ordered = sorted(left, key=lambda x: x.free_until)
-        single: dict[int, list[Open]] = {}
-        for x in ordered:
-            single.setdefault(x.primitive, [x])
-        return [ordered] if self.exact and ordered else list(single.values())
+        if self.exact:
+            return [sorted(left, key=lambda x: x.free_until)] if left else []
+        return [[x] for x in first_of_each(left)]
 
     def _earliest(self, left: list[Open], window: Window) -> list[Open]:
         """The triangles that touch first, each looked at alone, and those that exact arithmetic leaves open."""

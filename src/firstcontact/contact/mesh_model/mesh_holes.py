@@ -28,7 +28,7 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.kernels.events.event_search import FREE, GOING, SPENT
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
-from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Touch
+from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Touch, first_of_each
 from firstcontact.search.events import events
 from firstcontact.search.events.charts import NotCharted, charts_of
 from firstcontact.search.events.event_tables import crossing_surfaces, tables_of
@@ -176,16 +176,13 @@ class HoledSearch(MeshSearch):
 
     def _grouped(self, near: Iterable[Open]) -> list[tuple[_Group, float]]:
         """Neighbours, with the time to which the pieces that cover the model leave them free, early ones first."""
-        free: dict[int, Open] = {}
-        for x in sorted(near, key=lambda x: -x.free_until):
-            if x.primitive < len(self.mesh.triangles):
-                free[x.primitive] = x
+        free = {x.primitive: x for x in first_of_each(near) if x.primitive < len(self.mesh.triangles)}
         around = defaultdict(list)
         for k in free:
             for v in self.mesh.triangles[k].tolist():
                 around[v].append(k)
         found, taken = [], set()
-        for k in sorted(free, key=lambda k: (free[k].free_until, k)):
+        for k in free:
             if k in taken:
                 continue
             group = [k]
@@ -196,8 +193,8 @@ class HoledSearch(MeshSearch):
                         if n not in taken and len(group) < MOST_TRIANGLES:
                             taken.add(n)
                             group.append(n)
-            found.append((self._group(tuple(sorted(group)), free[k].piece), min(free[n].free_until for n in group)))
-        return sorted(found, key=lambda x: x[1])
+            found.append((self._group(tuple(sorted(group)), free[k].piece), free[k].free_until))
+        return found
 
     def _group(self, triangles: tuple[int, ...], piece: int) -> _Group:
         known = self.groups.get(triangles)

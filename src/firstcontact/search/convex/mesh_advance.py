@@ -8,6 +8,7 @@ alone.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -101,6 +102,14 @@ class Open:
     primitive: int
     piece: int
     free_until: float
+
+
+def first_of_each(left: Iterable[Open]) -> list[Open]:
+    """Of each triangle, which may be open before several pieces, what may touch first; early ones first."""
+    found: dict[int, Open] = {}
+    for x in sorted(left, key=lambda x: (x.free_until, x.primitive)):
+        found.setdefault(x.primitive, x)
+    return list(found.values())
 
 
 @dataclass(slots=True)
