@@ -7,7 +7,8 @@ al. 2014, section 2; the rule for dependent gradients is re-derived): inside and
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -98,14 +99,7 @@ def _values(tree: Tree, signs: Sequence[int], often: Sequence[int] | None) -> se
 
 def _often(tree: Tree, signs: Sequence[int]) -> list[int]:
     """The vanishing surfaces that several leaves name."""
-    count = [0] * len(signs)
-    waiting = [tree]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, Leaf):
-            count[node.surface] += 1
-        else:
-            waiting += [node.inner] if isinstance(node, Not) else [node.first, node.second]
+    count = Counter(_leaves(tree))
     return [i for i, sign in enumerate(signs) if sign == 0 and count[i] > 1]
 
 
@@ -163,11 +157,18 @@ def renumbered(tree: Tree, leaves: Sequence[Tree]) -> Tree:
 
 
 def surfaces_of(tree: Tree) -> set[int]:
-    if isinstance(tree, Leaf):
-        return {tree.surface}
-    if isinstance(tree, Not):
-        return surfaces_of(tree.inner)
-    return surfaces_of(tree.first) | surfaces_of(tree.second)
+    return set(_leaves(tree))
+
+
+def _leaves(tree: Tree) -> Iterator[int]:
+    """The surface of each leaf."""
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, Leaf):
+            yield node.surface
+        else:
+            waiting += [node.inner] if isinstance(node, Not) else [node.first, node.second]
 
 
 def conjunction(trees: Sequence[Tree]) -> Tree:
