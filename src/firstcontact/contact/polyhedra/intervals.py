@@ -189,11 +189,11 @@ def _collect(
             return None
     times, parts = _drop_covered(integers, cover, times, parts)
     n = int(integers[FOUND])
-    answer.unsure = int(np.sum(times[:n, 0] > times[:n, 3]))
+    answer.unsure = int(_are_unsure(times[:n]).sum())
     ids_a, ids_b = problem.tree_a.ids[parts[:n, 0], 0], problem.tree_b.ids[parts[:n, 1], 0]
     spans: dict[tuple[int, int], list[tuple[float, float]]] = {}
-    for pair, row in zip(zip(ids_a.tolist(), ids_b.tolist(), strict=True), times[:n].tolist(), strict=True):
-        spans.setdefault(pair, []).append((row[2] if row[0] == np.inf else row[0], row[3]))
+    for i, k, lo, hi in zip(ids_a.tolist(), ids_b.tolist(), *_spans(times[:n]).T.tolist(), strict=True):
+        spans.setdefault((i, k), []).append((lo, hi))
     pairs = sorted(spans.items(), key=lambda item: (-max(hi - lo for lo, hi in item[1]), item[0]))
     return [tuple(c) for c in cover[: int(integers[COVERS])].tolist()], pairs
 
@@ -225,17 +225,26 @@ def _is_within(problem: Problem, span: tuple[float, float], known: list[Window])
     return False
 
 
+def _are_unsure(times: np.ndarray) -> np.ndarray:
+    """Of which rows of `collect` doubles do not tell whether the pair meets; they end with the meeting of its boxes."""
+    unsure: np.ndarray = np.isinf(times[:, 0])
+    return unsure
+
+
+def _spans(times: np.ndarray) -> np.ndarray:
+    """(n, 2): of rows of `collect`, the times outside of which there is nothing of each."""
+    return np.column_stack([np.where(_are_unsure(times), times[:, 2], times[:, 0]), times[:, 3]])
+
+
 def _drop_covered(
     integers: np.ndarray, cover: np.ndarray, times: np.ndarray, parts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Forget windows strictly inside the cover; keep room for as many again."""
     n = int(integers[FOUND])
-    kept = times[:n]
-    unsure = kept[:, 0] > kept[:, 3]
-    lo = np.where(unsure, kept[:, 2], kept[:, 0])
+    lo, hi = _spans(times[:n]).T
     inside = np.zeros(n, bool)
     for c0, c1 in cover[: int(integers[COVERS])]:
-        inside |= (c0 < lo) & (kept[:, 3] < c1)
+        inside |= (c0 < lo) & (hi < c1)
     keep = np.flatnonzero(~inside)
     size = max(4096, 2 * len(keep))
     new_times, new_parts = np.empty((size, 4)), np.empty((size, 2), np.int32)

@@ -67,7 +67,7 @@ def collect(
 ):  # fmt: skip
     """Go on collecting: times (n, 4), parts (n, 2) of the windows that may matter.
 
-    A pair the floats are unsure of has times[0] > times[3].
+    A pair the floats are unsure of has times[0] = inf, and in times[2], times[3] when its boxes meet.
     """
     scratch = np.empty((PART_ROOM, 2))
     out = np.empty((PART_ROOM, 4))
