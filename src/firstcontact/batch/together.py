@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from firstcontact.batch.part import Asking
 from firstcontact.batch.questions import Questions
-from firstcontact.body.kept import Kept
+from firstcontact.body.kept import KeptOfTwo
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.each import Place, is_taken
 from firstcontact.contact.polyhedra.each_rotation import EachRotation
@@ -26,7 +25,7 @@ FEWEST = 8
 _STATUS = np.zeros(4, np.uint8)
 """By what walks tell; 0 of what they leave open."""
 _STATUS[[FREE, MET, TIMED]] = [STATUSES.index(status) for status in ("FREE", "CONTACT", "CONTACT")]
-_CONTAINED = Kept[tuple[Any, bool]]()
+_CONTAINED = KeptOfTwo[bool]()
 
 
 def walk_together(questions: Questions, asking: Asking, rows: Rows) -> np.ndarray:
@@ -79,10 +78,7 @@ def _each(
 
 def _is_contained(a: Polyhedron, b: Polyhedron) -> bool:
     """Whether a body lies inside the other one as they stand; kept on a while b is the same."""
-    known = _CONTAINED.get(a)
-    if known is None or known[0] is not b:
-        known = _CONTAINED.put(a, (b, contained(a, b) is not None))
-    return known[1]
+    return _CONTAINED.of(a, b, lambda: contained(a, b) is not None)
 
 
 def _walk(

@@ -32,7 +32,7 @@ import numpy as np
 from firstcontact.batch.culling import free_by_boxes
 from firstcontact.batch.part import Asking, answer, answers, is_plain
 from firstcontact.batch.questions import Questions
-from firstcontact.body.kept import Kept
+from firstcontact.body.kept import KeptOfTwo
 from firstcontact.motion.moving import shape_of
 from firstcontact.result_table import Rows
 
@@ -58,8 +58,8 @@ THREAD_PART, FIRST_WALKED = 0.1, 512
 And questions of the first one, which makes what the others share; a second one of as many tells what one takes, where
 the first does not show that one part for each thread will do.
 """
-_PACES = Kept[tuple[Any, float]]()
-"""What a question about a body and another one takes, in seconds: then no first part is walked to tell it."""
+_PACES = KeptOfTwo[float]()
+"""What a question about two bodies takes, in seconds: then no first part is walked to tell it."""
 RETRIES, HOPELESS = 3, 40
 """How often a part is done again beside others, and losses in a row from which on it is not the questions' fault."""
 LOST = "the worker that looked at it was lost every time, as if it ran out of memory; ask it alone, with a budget"
@@ -143,17 +143,17 @@ def answered(
     count, left = Count(len(questions), progress), np.ones(len(questions), bool)
     free = free_by_boxes(questions, boxes if is_plain(asking.arguments) else False)
     by_threads = asking.walks and executor is None
-    rows = asking.rows(len(questions), cleared=len(free) > 0 or not by_threads)
-    rows.free(free, np.ones(len(free)))
-    left[free] = False
-    count.add(len(free))
-    if executor is not None:
-        _Spread(questions, asking, rows, count).over(_elsewhere(executor, questions), np.flatnonzero(left))
-        return rows
     n = cores() if workers is None else workers
+    rows = asking.rows(len(questions), cleared=not by_threads)
+    count.add(len(free))
+    left[free] = False
     if by_threads:
-        left &= ~_by_threads(n, questions, asking, rows, count, clears=not len(free))
-    _one_by_one(n, questions, asking, np.flatnonzero(left), rows, count, spare)
+        left &= ~_by_threads(n, questions, asking, rows, count)
+    rows.free(free, np.ones(len(free)))
+    if executor is None:
+        _one_by_one(n, questions, asking, np.flatnonzero(left), rows, count, spare)
+    else:
+        _Spread(questions, asking, rows, count).over(_elsewhere(executor, questions), np.flatnonzero(left))
     return rows
 
 
@@ -172,12 +172,10 @@ def _one_by_one(
         done += 1
 
 
-def _by_threads(
-    n: int, questions: Questions, asking: Asking, rows: Rows, count: Count, clears: bool
-) -> np.ndarray:
+def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count: Count) -> np.ndarray:
     """Answers by compiled walks; tells of each row whether they did.
 
-    clears: each thread clears its rows first, which is when the system finds memory for them.
+    Each thread clears its rows first, which is when the system finds memory for them.
     """
     from firstcontact.batch.together import walk_together  # loads what polyhedra need
 
@@ -186,8 +184,7 @@ def _by_threads(
     def walk(where: slice) -> int:
         begun.wait()
         own = rows.part(where)
-        if clears:
-            own.clear()
+        own.clear()
         done[where] = some = walk_together(questions.part(where), asking, own)
         return int(np.count_nonzero(some))
 
@@ -225,13 +222,14 @@ def _pace(questions: Questions) -> float:
     """Seconds that a question about the same two bodies took before; 0 where nothing is known."""
     if len(questions.bodies) != 2:
         return 0.0
-    known = _PACES.get(shape_of(questions.bodies[0]))
-    return known[1] if known is not None and known[0] is questions.bodies[1] else 0.0
+    a, b = map(shape_of, questions.bodies)
+    return _PACES.get(a, b) or 0.0
 
 
 def _keep_pace(questions: Questions, seconds: float) -> None:
     if len(questions.bodies) == 2:
-        _PACES.put(shape_of(questions.bodies[0]), (questions.bodies[1], seconds))
+        a, b = map(shape_of, questions.bodies)
+        _PACES.put(a, b, seconds)
 
 
 # -- parts for others ---------------------------------------------------------------------------------------------

@@ -48,3 +48,22 @@ class Kept(Generic[T]):
     def put(self, body: Keeping, value: T) -> T:
         body._search[self] = value
         return value
+
+
+class KeptOfTwo(Generic[T]):
+    """A place on every body for what is worked out about it and another one, kept while that is the same."""
+
+    def __init__(self) -> None:
+        self._place = Kept[tuple[Keeping, T]]()
+
+    def of(self, body: Keeping, other: Keeping, make: Callable[[], T]) -> T:
+        """What is kept; `make` is asked for it where nothing is.  None is not kept."""
+        found = self.get(body, other)
+        return self.put(body, other, make()) if found is None else found
+
+    def get(self, body: Keeping, other: Keeping) -> T | None:
+        known = self._place.get(body)
+        return known[1] if known is not None and known[0] is other else None
+
+    def put(self, body: Keeping, other: Keeping, value: T) -> T:
+        return self._place.put(body, (other, value))[1]

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from flint import fmpq, fmpz
 
-from firstcontact.body.kept import Kept
+from firstcontact.body.kept import KeptOfTwo
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks, piece_of, placed
 from firstcontact.contact.polyhedra.earliest import Pair
@@ -22,7 +22,7 @@ from firstcontact.search.trees.tree import Tree
 from firstcontact.search.trees.walk_each import OPEN, TIMED
 
 ONE = fmpz(1)
-_WHOLE = Kept["_WholeVertices"]()
+_WHOLE = KeptOfTwo["_WholeVertices"]()
 
 
 class EachTranslation:
@@ -92,8 +92,7 @@ class EachTranslation:
     def _whole(self) -> _WholeVertices:
         """Kept on a while b is the same."""
         a, b = self.problem.a, self.problem.b
-        known = _WHOLE.get(a)
-        return known if known is not None and known.bodies[1] is b else _WHOLE.put(a, _WholeVertices(a, b))
+        return _WHOLE.of(a, b, lambda: _WholeVertices(a, b))
 
     def place(self, contacts: Contacts, k: int) -> Place:
         """Elements, point and normal of a contact."""
