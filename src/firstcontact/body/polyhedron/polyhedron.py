@@ -171,6 +171,12 @@ class Polyhedron(Placing):
 
     # -- inside ---------------------------------------------------------------------------------------------
 
+    def _bare_edges(self) -> np.ndarray:
+        """Numbers of the segments that are on no triangle."""
+        bare = np.ones(len(self._segments), bool)
+        bare[self._side_edge[self._side_edge >= 0]] = False
+        return np.flatnonzero(bare)
+
     def _with(self, **changes: object) -> Polyhedron:
         """A copy with some attributes replaced; search structures are shared when geometry is."""
         other = object.__new__(Polyhedron)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -21,13 +22,13 @@ class Region(NamedTuple):
     triangles: list[list[int]]
 
 
-def region_at(body: Polyhedron, normal: Vector, level: fmpq) -> Region | None:
-    """The body's points of that height, the least or the greatest of its vertices.
+def region_at(body: Polyhedron, normal: Vector, heights: Sequence[fmpq], level: fmpq) -> Region | None:
+    """The body's points of that height, the least or the greatest of its vertices'.
 
     None where edges or corners lie there beside the triangles, where these overlap or have no area, and where their
     border passes a point twice.
     """
-    number = {v: k for k, v in enumerate(v for v in range(len(body.vertices)) if _height(body, normal, v) == level)}
+    number = {v: k for k, v in enumerate(v for v, height in enumerate(heights) if height == level)}
     points = [body.exact_vertex(v) for v in number]
     places = [flat(p, normal) for p in points]
     inside = [[number[v] for v in t] for t in body.triangles.tolist() if all(v in number for v in t)]
@@ -61,11 +62,6 @@ def flat(point: Vector, normal: Vector) -> Flat:
 def turn(p: Flat, q: Flat, r: Flat) -> fmpq:
     """Twice the area of a triangle, positive where it is counterclockwise."""
     return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-
-
-def _height(body: Polyhedron, normal: Vector, vertex: int) -> fmpq:
-    height: fmpq = dot(normal, body.exact_vertex(vertex))
-    return height
 
 
 def _sides(triangles: list[list[int]]) -> list[tuple[int, int]]:

@@ -46,32 +46,31 @@ def in_one_plane(query: Query) -> Query | Apart | None:
     if normal is None:
         return None
     bodies = shape_of(query.a), shape_of(query.b)
-    heights_a, heights_b = (_heights(body, normal) for body in bodies)
-    if heights_a is None or heights_b is None:
+    of_a, of_b = (_heights(body, normal) for body in bodies)
+    if not of_a or not of_b:
         return None
-    if heights_a[1] < heights_b[0] or heights_b[1] < heights_a[0]:
+    (least, most), (low, high) = ((min(heights), max(heights)) for heights in (of_a, of_b))
+    if most < low or high < least:
         return Apart()
-    for level, other in ((heights_a[0], heights_b[1]), (heights_a[1], heights_b[0])):
+    for level, other in ((least, high), (most, low)):
         if level == other:
-            face_a, face_b = (region_at(body, normal, level) for body in bodies)
+            face_a, face_b = region_at(bodies[0], normal, of_a, level), region_at(bodies[1], normal, of_b, level)
             if face_a is None or face_b is None:
                 return None
             tall = _along(face_a, normal, level - 2, level + 2, query.a)
             return replace(query, a=tall, b=_along(face_b, normal, level - 1, level + 1, query.b))
-    base = region_at(bodies[0], normal, heights_a[0])
-    if base is None or not all(_is_prism(x, normal, *h) for x, h in zip(bodies, (heights_a, heights_b), strict=True)):
+    base = _base(bodies[0], normal, of_a)
+    if base is None or _base(bodies[1], normal, of_b) is None:
         return None
-    low, high = heights_b
     room = 1 + high - low
     return replace(query, a=_along(base, normal, low - room, high + room, query.a))
 
 
-def _heights(body: Any, normal: Vector) -> tuple[fmpq, fmpq] | None:
-    """The least and the greatest height; None of bodies that are not looked at."""
-    if not isinstance(body, Polyhedron) or body._pose is not None or not 0 < len(body.vertices) <= MOST_VERTICES:
-        return None
-    heights = [dot(normal, body.exact_vertex(k)) for k in range(len(body.vertices))]
-    return min(heights), max(heights)
+def _heights(body: Any, normal: Vector) -> list[fmpq]:
+    """Of its vertices; none of bodies that are not looked at."""
+    if not isinstance(body, Polyhedron) or body._pose is not None or len(body.vertices) > MOST_VERTICES:
+        return []
+    return [dot(normal, body.exact_vertex(k)) for k in range(len(body.vertices))]
 
 
 def _normal(query: Query) -> Vector | None:
@@ -91,40 +90,41 @@ def _simple(motion: Any) -> list[Any]:
     return [motion]
 
 
-def _is_prism(body: Polyhedron, normal: Vector, least: fmpq, most: fmpq) -> bool:
-    """Whether the body is all that stands between its level faces, or lies in one plane and has inner points there.
+def _base(body: Polyhedron, normal: Vector, heights: list[fmpq]) -> Region | None:
+    """The lower face of a body that is all that stands between its level faces, or lies in one plane and has inner
+    points there; None of others.
 
     Walls lie along the normal and go from the one level to the other; where a side of one is slanted, another goes on
     beyond it in the same plane.  So what walls cover of a plane along the normal ends at lines along the normal alone,
     and is the same at all heights: as at the least one, where it lies on sides of level faces.  Above a point that is
     not below a wall nothing begins or ends between the levels, so a solid is there as it is at both level faces.
     """
-    if any(region_at(body, normal, level) is None for level in {least, most}):
-        return False
-    height = [dot(normal, body.exact_vertex(k)) for k in range(len(body.vertices))]
-    if any(h not in (least, most) for h in height) or (least < most and not body.solid):
-        return False
+    levels = sorted(set(heights))
+    if len(levels) > 2 or len(levels) == 2 and not body.solid or len(body._bare_edges()):
+        return None
+    base, *top = (region_at(body, normal, heights, level) for level in levels)
+    return base if None not in top and _walls_are_whole(body, normal, heights) else None
+
+
+def _walls_are_whole(body: Polyhedron, normal: Vector, heights: list[fmpq]) -> bool:
+    """Whether triangles that are not level lie along the normal, and go on beyond each slanted side."""
+    places = [flat(body.exact_vertex(v), normal) for v in range(len(heights))]
     beyond: dict[tuple[int, int], list[fmpq]] = {}
     for triangle in body.triangles.tolist():
-        if len({height[v] for v in triangle}) == 1:
+        if len({heights[v] for v in triangle}) == 1:
             continue
-        p = [flat(body.exact_vertex(v), normal) for v in triangle]
+        p = [places[v] for v in triangle]
         if turn(*p) != 0 or len(set(p)) < 2:
             return False
         for k in range(3):
             i, j = sorted((triangle[k], triangle[k - 1]))
-            (x, y), (u, v) = (flat(body.exact_vertex(n), normal) for n in (i, j))
-            if height[i] != height[j] and (x, y) != (u, v):
+            (x, y), (u, v) = places[i], places[j]
+            if heights[i] != heights[j] and (x, y) != (u, v):
                 r, t = p[k - 2]
                 share = ((r - x) * (u - x) + (t - y) * (v - y)) / ((u - x) ** 2 + (v - y) ** 2)
-                rise = (height[triangle[k - 2]] - height[i]) / (height[j] - height[i])
+                rise = (heights[triangle[k - 2]] - heights[i]) / (heights[j] - heights[i])
                 beyond.setdefault((i, j), []).append(share - rise)
-    return all(len(x) == 2 and x[0] * x[1] < 0 for x in beyond.values()) and _has_no_bare_edges(body)
-
-
-def _has_no_bare_edges(body: Polyhedron) -> bool:
-    sides = {tuple(sorted((t[k], t[k - 1]))) for t in body.triangles.tolist() for k in range(3)}
-    return all(tuple(sorted(s)) in sides for s in body._segments.tolist())
+    return all(len(x) == 2 and x[0] * x[1] < 0 for x in beyond.values())
 
 
 def _along(region: Region, normal: Vector, least: fmpq, most: fmpq, body: Body) -> Body:

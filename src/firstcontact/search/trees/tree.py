@@ -68,9 +68,7 @@ def build(body: Polyhedron, vertices: np.ndarray, error: float) -> Tree:
 def _primitives(body: Polyhedron) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Triangles, then segments on no triangle, then vertices on neither; with the kind bits of each."""
     triangles, side_edge, segments = body.triangles, body._side_edge, body._segments
-    loose = np.ones(len(segments), bool)
-    loose[side_edge[side_edge >= 0]] = False
-    bare = np.flatnonzero(loose).astype(np.int32)
+    bare = body._bare_edges().astype(np.int32)
     lonely = np.ones(len(body.vertices), bool)
     lonely[triangles.ravel()] = False
     lonely[segments[bare].ravel()] = False
