@@ -34,8 +34,8 @@ class EachTranslation:
         problem = self.problem = TranslationProblem(a, b, piece_of(a.moving(Translation((1, 0, 0))), b, 1.0))
         x, y = problem.tree_a, problem.tree_b
         self.walks = Walks(
-            problem.boxes_a, x, problem.boxes_b, y, problem.error, x.error, y.error, problem.most_tests(),
-            self._whole.rests(x, y),
+            problem.boxes_a, x, problem.boxes_b, y, problem.error, problem.error_a, problem.error_b,
+            problem.most_tests(), self._whole.rests(x, y),
         )  # fmt: skip
 
     def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:

@@ -23,6 +23,7 @@ import numpy as np
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.problems.by_trees import ByTrees
 from firstcontact.search.trees.crowding import crowding
 from firstcontact.search.trees.elements import Feature
 from firstcontact.search.trees.state import (
@@ -72,7 +73,7 @@ def tests_of_boxes(tree_a: Tree, tree_b: Tree) -> int:
     return max(FEWEST, SHARE * (m + n))
 
 
-class ByEngine:
+class ByEngine(ByTrees):
     """A problem of translation or rotation that is searched by the engine it is given."""
 
     engine = "boxes"
@@ -82,8 +83,6 @@ class ByEngine:
     most_looks: int | None = None
     a: Polyhedron
     b: Polyhedron
-    tree_a: Tree
-    tree_b: Tree
 
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk; the reason it came back.  What is pierced at the start is always found with boxes."""
@@ -169,11 +168,6 @@ class ByEngine:
     def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None:
         """A time soon after that one by which the bodies certainly share a point: none is sought, pairs are exact."""
         return None
-
-
-    def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
-        raise NotImplementedError
-
 
 def begin_lifted(state: WalkState, with_start: bool) -> None:
     """Ready for `lifted_walk`, which finds its place in zeros."""

@@ -15,6 +15,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.problems.by_trees import ByTrees
 from firstcontact.exact.numbers import PRECISIONS, ball, to_double
 from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.exact.times.instants import Instant
@@ -31,9 +32,7 @@ from firstcontact.search.trees.frame import tree_of
 from firstcontact.search.trees.state import CURVED_SLICE, VISITS, WalkState
 from firstcontact.search.trees.touch import Touch, doubles, spanning, unit_against
 from firstcontact.search.trees.tree import Tree
-from firstcontact.search.trees.walk import walk
 from firstcontact.search.trees.windows import VISITS as COLLECTED
-from firstcontact.search.trees.windows import collect
 
 At = TypeVar("At", bound=Instant)
 # Two elements by their exact corners: one, two or three of each.
@@ -42,7 +41,7 @@ Corners = tuple[list[Vector], list[Vector]]
 Ids = tuple[list[Hashable], list[Hashable], Hashable]
 
 
-class CurvedProblem(Generic[At]):
+class CurvedProblem(ByTrees, Generic[At]):
     """Body a moves by the piece's pose, body b rests; both in the frames they are given in."""
 
     begin = 0.0, 0.0
@@ -53,10 +52,12 @@ class CurvedProblem(Generic[At]):
         self.a, self.b, self.piece = a, b, piece
         self.is_exact = a._pose is None and b._pose is None
         self.tree_a, self.tree_b = tree_of(a), tree_of(b)
+        self.boxes_a, self.boxes_b = self.tree_a.boxes, self.tree_b.boxes
+        self.error_a, self.error_b = self.tree_a.error, self.tree_b.error
         sizes = [float(np.abs(tree.boxes[0]).max()) for tree in (self.tree_a, self.tree_b)]
         self.motion = cells_of(piece, *sizes)
         self.length = piece.end - piece.start
-        errors = self.tree_a.error + self.tree_b.error
+        errors = self.error_a + self.error_b
         self.pad = 4.0 * (1.0 + most_stretch(self.motion)) * errors if errors else 0.0
 
     def window(self) -> tuple[float, float]:
@@ -68,14 +69,7 @@ class CurvedProblem(Generic[At]):
 
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk; the reason it came back.  The start is another problem's (`problem`)."""
-        a, b = self.tree_a, self.tree_b
-        limit = min(limit, int(state.integers[VISITS]) + CURVED_SLICE)
-        reason: int = walk(
-            a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
-            self.motion, a.error, b.error, self.pad, False, all_sides, limit,
-            state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
-        )  # fmt: skip
-        return reason
+        return self.advance_boxes(state, min(limit, int(state.integers[VISITS]) + CURVED_SLICE), False, all_sides)
 
     def contact(self, element_a: Feature, element_b: Feature) -> At | None:
         """The earliest time of the window at which the two elements share a point."""
@@ -95,14 +89,9 @@ class CurvedProblem(Generic[At]):
         self, limit: int, integers: np.ndarray, stack: np.ndarray, cover: np.ndarray, times: np.ndarray,
         parts: np.ndarray,
     ) -> int:  # fmt: skip
-        """Go on collecting windows (`windows.collect`)."""
-        a, b = self.tree_a, self.tree_b
+        """Go on collecting windows, less far at a time than others (`windows.collect`)."""
         limit = min(limit, int(integers[COLLECTED]) + CURVED_SLICE)
-        reason: int = collect(
-            a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids, self.motion,
-            a.error, b.error, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,
-        )  # fmt: skip
-        return reason
+        return super().collect(limit, integers, stack, cover, times, parts)
 
     def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[At, At]]:
         """The windows of contact of two primitives: between two consecutive events nothing changes."""

@@ -86,9 +86,8 @@ def walk_lifted(
 
 def motion_of(problem: Any) -> tuple[np.ndarray, float, tuple[float, float]]:
     """(the motion for kernels, a time after which certainly nothing meets, errors of the parts of a and of b)."""
-    if isinstance(problem, TranslationProblem):
-        return problem.velocity, parting(problem), (problem.tree_a.error, problem.tree_b.error)
-    return problem.motion, math.inf, (problem.error_a, problem.error_b)
+    reach = parting(problem) if isinstance(problem, TranslationProblem) else math.inf
+    return problem.motion, reach, (problem.error_a, problem.error_b)
 
 
 def _parts_that_may_meet(problem: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -127,7 +126,7 @@ def _of_parts(elements: Elements, meets: np.ndarray) -> Elements:
 def parting(problem: TranslationProblem) -> float:
     """A time at which the boxes of the bodies have passed each other for good; 0 where nothing moves."""
     box_a, box_b = problem.tree_a.boxes[0].tolist(), problem.tree_b.boxes[0].tolist()
-    v = problem.velocity[6:].tolist()
+    v = problem.motion[6:].tolist()
     pad = 2.0 * (problem.tree_a.error + problem.tree_b.error)
     last = math.inf if any(v) else 0.0
     for k in range(3):

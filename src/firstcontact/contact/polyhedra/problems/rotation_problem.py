@@ -54,11 +54,8 @@ from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.cylinder import COLUMNS
 from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
 from firstcontact.search.trees.frame import frame_of, view_in
-from firstcontact.search.trees.state import WalkState
 from firstcontact.search.trees.touch import Touch, place_doubles, rotation_normal
 from firstcontact.search.trees.tree import Tree
-from firstcontact.search.trees.walk import walk
-from firstcontact.search.trees.windows import collect
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -159,6 +156,7 @@ class RotationProblem(ByEngine):
         longest = max(map(abs, h))
         frame = frame_of((h[0] / longest, h[1] / longest, h[2] / longest))
         self.tree_a, self.tree_b = view_in(self.a, frame), view_in(self.b, frame)
+        self.boxes_a, self.boxes_b = self.tree_a.boxes, self.tree_b.boxes
         origin = [to_double(x) for x in self.origin]
         self.centre = tuple(row[0] * origin[0] + row[1] * origin[1] + row[2] * origin[2] for row in frame[:2])
         shifted = LOST_LENGTH
@@ -192,16 +190,6 @@ class RotationProblem(ByEngine):
     def _last_ball(self) -> arb:
         assert self.last is not None
         return angle_ball(self.last[0], "radians") + angle_ball(self.last[1], "turns")
-
-    def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
-        """Go on with the walk over trees of boxes; the reason it came back."""
-        a, b = self.tree_a, self.tree_b
-        reason: int = walk(
-            a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
-            self.motion, self.error_a, self.error_b, self.pad, with_start, all_sides, limit,
-            state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
-        )  # fmt: skip
-        return reason
 
     def _corners(self, element_a: Feature, element_b: Feature) -> tuple[fmpz, list[Vector], list[Vector]]:
         """(scale, scale times the exact corners about the axis' point); kept, unless they depend on the precision."""
@@ -282,18 +270,6 @@ class RotationProblem(ByEngine):
         return 0.0
 
     # -- all windows ----------------------------------------------------------------------------------------
-
-    def collect(
-        self, limit: int, integers: np.ndarray, stack: np.ndarray, cover: np.ndarray, times: np.ndarray,
-        parts: np.ndarray,
-    ) -> int:  # fmt: skip
-        """Go on collecting windows (`windows.collect`)."""
-        a, b = self.tree_a, self.tree_b
-        reason: int = collect(
-            a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids, self.motion,
-            self.error_a, self.error_b, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,
-        )  # fmt: skip
-        return reason
 
     def windows_of(self, primitive_a: int, primitive_b: int) -> list[Window]:
         """The windows of contact of two primitives in the first turn, exact."""

@@ -25,10 +25,7 @@ from firstcontact.search.trees import translate
 from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
 from firstcontact.search.trees.frame import Frame, shared_frame, tree_of, view_in
-from firstcontact.search.trees.state import WalkState
 from firstcontact.search.trees.touch import Touch, translation_touch
-from firstcontact.search.trees.walk import walk
-from firstcontact.search.trees.windows import collect
 
 ZERO = fmpq(0)
 
@@ -69,8 +66,9 @@ class TranslationProblem(ByEngine):
         v = self._doubles
         self.frame = frame = None if self.last is None else shared_frame(self.a, self.b)
         self.boxes_a, self.boxes_b, self.error = framed_boxes(self.a, self.b, frame)
-        self.velocity = np.empty(9)
-        off = translate.lay_motion(np.array(v), rows_of(frame), self.velocity)
+        self.error_a, self.error_b = self.tree_a.error, self.tree_b.error
+        self.motion = np.empty(9)
+        off = translate.lay_motion(np.array(v), rows_of(frame), self.motion)
         self.pad = 2.0 * self.error if frame is None else 2.0 * (self.error + off * self.window()[0])
         if any(x != 0 and abs(y) < LEAST_SPEED for x, y in zip(self.v, v, strict=True)):
             self.pad += 2.0**-800  # so slowly nothing comes that far before the bodies have passed each other
@@ -85,16 +83,6 @@ class TranslationProblem(ByEngine):
         if fmpq(*last.as_integer_ratio()) == self.last:
             return last, last
         return math.nextafter(last, math.inf), math.nextafter(last, -math.inf)
-
-    def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
-        """Go on with the walk over trees of boxes; the reason it came back."""
-        a, b = self.tree_a, self.tree_b
-        reason: int = walk(
-            self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
-            self.velocity, a.error, b.error, self.pad, with_start, all_sides, limit,
-            state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
-        )  # fmt: skip
-        return reason
 
     def _corners(
         self, element_a: Feature, element_b: Feature
@@ -142,18 +130,6 @@ class TranslationProblem(ByEngine):
         return 0.0
 
     # -- all windows ----------------------------------------------------------------------------------------
-
-    def collect(
-        self, limit: int, integers: np.ndarray, stack: np.ndarray, cover: np.ndarray, times: np.ndarray,
-        parts: np.ndarray,
-    ) -> int:  # fmt: skip
-        """Go on collecting windows (`windows.collect`)."""
-        a, b = self.tree_a, self.tree_b
-        reason: int = collect(
-            self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
-            self.velocity, a.error, b.error, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,
-        )  # fmt: skip
-        return reason
 
     def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[RationalInstant, RationalInstant | None]]:
         """The windows of contact of two primitives, exact: at most one, both are convex."""
