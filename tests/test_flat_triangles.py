@@ -51,3 +51,11 @@ def test_rings_that_cross_are_refused_as_before():
     for ring_ in ([0, 1, 2, 3, 1, 4], [0, 1, 0, 3, 4], [0, 3, 1, 4, 2]):
         with pytest.raises(fc.InputError):
             fc.Polyhedron(corners, [ring_])
+
+
+def test_a_closed_surface_without_inner_points_is_no_convex_solid():
+    """All times of contact of small convex parts are asked as solids: this one raised "solid is empty"."""
+    corners, sides = [(0, 0, 3), (1, 0, 3), (0, 1, 3), (1, 1, 3)], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    flat = fc.Polyhedron(corners, sides, solid=True).moving(fc.Screw((0, 0, 1), degrees=50, advance=-4))
+    found = fc.contact_intervals(flat, fc.examples.box((2, 2, 2)))
+    assert [(x.start, x.end) for x in found] == [(0.5, 1.0)]

@@ -158,6 +158,17 @@ def test_what_is_a_prism_and_what_is_not():
         assert asked(body, box) is None and asked(box, body) is None
 
 
+def test_an_edge_across_a_notch_makes_no_prism():
+    """From a lower corner to an upper one, outside of the walls."""
+    outline = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    corners = [(x, y, z) for z in (0, 1) for x, y in outline]
+    faces = [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], *([k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6] for k in range(6))]
+    box = link(SQUARE, 0, 0, 1)
+    assert isinstance(asked(fc.Polyhedron(corners, faces), box), Query)
+    with_edge = fc.Polyhedron(corners, faces, edges=[[2, 10]])
+    assert asked(with_edge, box) is None and asked(box, with_edge) is None
+
+
 def test_only_motions_in_the_plane_are_taken():
     a, b = link(SQUARE, 0, 0, 1), link(SQUARE, 3, 0, 1)
     turn = fc.Rotation((0, 0, 2), degrees=40)

@@ -7,6 +7,7 @@ import pkgutil
 import subprocess
 import sys
 import types
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -143,6 +144,15 @@ def test_all_that_kernels_read_is_in_their_digest():
                 assert _is_told(value), (kernel, name, value)
             _ask_of_motion(kernel)
     assert kernels > 400
+
+
+def test_files_that_are_laid_out_in_another_way_have_other_names(monkeypatch):
+    def name():
+        return walk.walk._cache._file(Path(), (), "x86_64", ("generic", "")).name
+
+    now = name()
+    monkeypatch.setattr(cache, "WRITING", cache.WRITING - 1)
+    assert name() != now and name().split("-")[0] == now.split("-")[0]
 
 
 def test_options_of_what_the_motion_chooses_are_in_the_digest(monkeypatch):
