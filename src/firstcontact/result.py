@@ -178,7 +178,7 @@ class _Deferring(_NoTruth):
 
     @classmethod
     def deferring(cls, known: dict[str, object], rest: Callable[[], dict[str, object]]) -> Self:
-        """The record with the fields `known`; `rest` gives all others."""
+        """The record with the fields `known`; `rest` gives all others, or some and, as "_rest", what gives the rest."""
         record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
         put["_rest"](record, rest)
         put["keeps_bodies"](record, False)
@@ -195,9 +195,10 @@ class _Deferring(_NoTruth):
             if name not in self.__dataclass_fields__:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
             put = _setters(type(self))
-            for field_name, value in self._rest().items():
+            found = self._rest()
+            for field_name, value in found.items():
                 put[field_name](self, value)
-            return object.__getattribute__(self, name)
+            return getattr(self, name) if "_rest" in found else object.__getattribute__(self, name)
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 
@@ -26,8 +26,10 @@ class Rule:
         return f"{rule}: {self.why}" if self.why else rule
 
 
-def rule_for(rules: Iterable[Rule], x: str, y: str) -> Rule | None:
+def rule_for(rules: Sequence[Rule], x: str, y: str) -> Rule | None:
     """The first rule that takes the pair, those that name it before others."""
+    if not rules:
+        return None
     return next((rule for rule in sorted(rules, key=lambda r: r.touching) if rule.takes(x, y)), None)
 
 

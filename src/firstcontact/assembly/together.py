@@ -38,7 +38,7 @@ class PairQuestion:
 def answers(
     asked: Sequence[PairQuestion], begin: Callable[[int], None], report: Progress | None, workers: int
 ) -> Iterator[Any]:
-    """The answers in order, by swept boxes, here, or by processes; begin: told of each question as it is taken up."""
+    """The answers in order, by swept boxes, here, or by processes; begin: told of questions that boxes leave open."""
     questions = [x.question for x in asked]
     known = told_by_boxes(questions)
 

@@ -61,13 +61,11 @@ def in_order(
 ) -> Iterator[Answer]:
     """The results in order; `here` answers question k in this process, as long as what is left is soon done.
 
-    known: results that are there.  reached: told of each question that others have answered.  Raises what a question
-    raised.
+    known: results that are there.  reached: told of each other question that other processes have answered.  Raises
+    what a question raised.
     """
     asking = _asked_in_order(questions, [k for k in range(len(questions)) if k not in known], here, reached, workers)
     for k in range(len(questions)):
-        if k in known:
-            reached(k)
         yield known[k] if k in known else next(asking)
 
 

@@ -6,6 +6,7 @@ Nothing heavy is imported until a subcommand runs, so that --help stays quick.
 from __future__ import annotations
 
 import codecs
+import gc
 import io
 import logging
 import os
@@ -31,6 +32,9 @@ INTERRUPTED = 130
 READER_LEFT = 141
 """Of a pipe: neither 0 nor 1, which would claim an answer."""
 
+COLLECTING = 50_000, 50, 100
+"""A command makes many objects that last until it ends, soon; looking for cycles among them costs a tenth."""
+
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="firstcontact")
@@ -48,6 +52,7 @@ for command in (check, intervals, curve, sweep, robot, toolpath, batch, info, wa
 
 def main() -> None:
     """Run the command line and leave with its exit code."""
+    gc.set_threshold(*COLLECTING)
     logging.getLogger("trimesh").addHandler(logging.NullHandler())  # its warnings would double our one line
     logging.getLogger("firstcontact").addHandler(_Said())
     logging.getLogger("firstcontact").setLevel(logging.INFO)

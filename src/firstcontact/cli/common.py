@@ -137,7 +137,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
         def begin(k: int) -> None:
             question = asked[k].question
             shown = _span_shown(question.arguments["span"], question.a, question.b)
-            progress.start(f"{scene.checks[k].a} / {scene.checks[k].b}", shown)
+            progress.start(f"{scene.checks[k].a} / {scene.checks[k].b}", shown, k + 1)
 
         return answers(asked, begin, progress.report, options.workers or cores())
 

@@ -42,9 +42,9 @@ class Progress:
         self._shown = False
         self._ticker = threading.Thread(target=self._tick, daemon=True)
 
-    def start(self, label: str, span: tuple[float, float] = (0.0, math.inf)) -> None:
-        """The next check begins, over that span of time."""
-        self._begun += 1
+    def start(self, label: str, span: tuple[float, float] = (0.0, math.inf), number: int | None = None) -> None:
+        """A check begins, over that span of time; number: which of all, from 1, default: the next."""
+        self._begun = self._begun + 1 if number is None else number
         self._proved, self._work, self._span = None, 0, span
         self._label = label if self._total == 1 else f"{label} ({self._begun} of {self._total})"
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 from firstcontact.body.compound.compound import Piece, deviation_of
 from firstcontact.contact.compound.windows import Side, Window
@@ -25,11 +26,29 @@ from firstcontact.work import Query
 Sides = tuple[Side, Side]
 
 
-class Told(NamedTuple):
-    """An answer about two pieces."""
+@dataclass(frozen=True)
+class Told:
+    """An answer about two pieces of two bodies."""
 
+    sides: Sides
     window: Window
     found: FirstContact
+
+    @cached_property
+    def named(self) -> list[ElementPair]:
+        """The pairs of elements that touch, by the names of the bodies; none of walls between pieces."""
+        found = self.found
+        if found.element_a is None or found.element_b is None:
+            return []
+        pairs = [ElementPair(found.element_a, found.element_b), *found.others]
+        a, b = self.sides
+        named = []
+        for pair in pairs:
+            one = _element(a, a.pieces[self.window.a], pair.element_a, "a")
+            other = _element(b, b.pieces[self.window.b], pair.element_b, "b")
+            if one is not None and other is not None:
+                named.append(ElementPair(one, other))
+        return named
 
 
 def about_models(query: Query) -> dict[str, Any]:
@@ -42,9 +61,9 @@ def about_models(query: Query) -> dict[str, Any]:
 def combined(query: Query, sides: Sides, told: Sequence[Told]) -> FirstContact:
     """The first contact of the bodies."""
     stats = query.stats()
-    for _, found in told:
-        stats = stats + replace(found.stats, seconds=0.0, ways=())
-    problems = tuple(problem for _, found in told for problem in found.subproblems)
+    for x in told:
+        stats = stats + replace(x.found.stats, seconds=0.0, ways=())
+    problems = tuple(problem for x in told for problem in x.found.subproblems)
     known = {**query.shared, **about_models(query), "subproblems": problems}
     initial = [x for x in told if x.found.status is Status.INITIAL_CONTACT]
     if initial:
@@ -78,40 +97,25 @@ def _interval(x: Told) -> tuple[float, float]:
 def _contact(sides: Sides, met: list[Told], interval: tuple[float, float], known: dict[str, Any]) -> FirstContact:
     """CONTACT of those pieces that may all touch first: told of the earliest whose elements are the bodies' own."""
     ordered = sorted(met, key=lambda x: (x.found.time, x.window.a, x.window.b))
-    named = {id(x): _named(sides, x) for x in ordered}
-    first = next((x for x in ordered if named[id(x)]), ordered[0])
-    pairs = list(dict.fromkeys(pair for x in ordered for pair in named[id(x)])) or [_nameless(sides, first)]
+    first = next((x for x in ordered if x.named), ordered[0])
+    pairs = list(dict.fromkeys(pair for x in ordered for pair in x.named)) or [_nameless(sides, first)]
     own = len(ordered) == 1
-    stats = replace(known["stats"], ways=first.found.stats.ways)
-    assert first.found.time is not None
-    return replace(
-        first.found, time=min(max(first.found.time, interval[0]), interval[1]), time_interval=interval,
-        element_a=pairs[0].element_a, element_b=pairs[0].element_b, others=tuple(pairs[1 : 1 + MOST_OTHERS]),
-        multiplicity=max(first.found.multiplicity, len(pairs)) if own else len(pairs),
-        contact_set=first.found.contact_set if own else None, free_until=interval[0],
-        **{**known, "stats": stats},
-    )  # fmt: skip
+    found = first.found
+    assert found.time is not None
+    told = {
+        **known, "status": found.status, "time": min(max(found.time, interval[0]), interval[1]),
+        "time_interval": interval, "time_exact": found.time_exact, "initial": None, "reason": None,
+        "element_a": pairs[0].element_a, "element_b": pairs[0].element_b, "others": tuple(pairs[1 : 1 + MOST_OTHERS]),
+        "multiplicity": max(found.multiplicity, len(pairs)) if own else len(pairs), "free_until": interval[0],
+        "stats": replace(known["stats"], ways=found.stats.ways),
+    }  # fmt: skip
 
+    def place() -> dict[str, object]:
+        return {
+            "point": found.point, "normal": found.normal, "contact_set": found.contact_set if own else None
+        }  # fmt: skip
 
-def _named(sides: Sides, x: Told) -> list[ElementPair]:
-    """The pairs of elements that touch, by the names of the bodies; none of walls between pieces."""
-    found = x.found
-    if found.element_a is None or found.element_b is None:
-        return []
-    pairs = [ElementPair(found.element_a, found.element_b), *found.others]
-    a, b = sides
-    named = []
-    for pair in pairs:
-        one = _element(a, a.pieces[x.window.a], pair.element_a, "a")
-        other = _element(b, b.pieces[x.window.b], pair.element_b, "b")
-        if one is not None and other is not None:
-            named.append(ElementPair(one, other))
-    return named
-
-
-def is_named(sides: Sides, x: Told) -> bool:
-    """Whether elements of the bodies themselves touch."""
-    return bool(_named(sides, x))
+    return FirstContact.deferring(told, place)
 
 
 def _element(side: Side, piece: Piece | None, element: Element, which: str) -> Element | None:
@@ -134,9 +138,8 @@ def _initial(query: Query, sides: Sides, met: list[Told], known: dict[str, Any])
         kind = None if _one_may_hold_the_other(query) else "overlapping"
     else:
         kind = None
-    named = {id(x): _named(sides, x) for x in met}
-    first = next((x for x in met if named[id(x)]), met[0])
-    pairs = list(dict.fromkeys(pair for x in met for pair in named[id(x)]))
+    first = next((x for x in met if x.named), met[0])
+    pairs = list(dict.fromkeys(pair for x in met for pair in x.named))
     start = query.span[0]
     return replace(
         first.found, initial=kind, time=start, time_interval=(start, start), free_until=start,

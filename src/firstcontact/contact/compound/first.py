@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from firstcontact.contact.compound.answer import Told, combined, is_named, joined
+from firstcontact.contact.compound.answer import Told, combined, joined
 from firstcontact.contact.compound.windows import Window, side_of, windows
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, above, below, exact_value
@@ -37,17 +37,17 @@ def first(query: Query) -> FirstContact:
         if end is not None and window.first > end:
             break
         if left is not None and left <= 0:
-            told.append(Told(window, _spent(query, window)))
+            told.append(Told(sides, window, _spent(query, window)))
             break
         found = _asked(table.first_contact, _about(query, sides, window, end, left))
         if left is not None:
             left -= found.stats.node_visits + found.stats.pair_tests + found.stats.exact_evaluations
-        told.append(Told(window, found))
+        told.append(Told(sides, window, found))
         if found.status is Status.CONTACT or found.status is Status.INITIAL_CONTACT:
             assert found.time_interval is not None
             # others that touch just as soon cost as much again: they are asked only where the time itself is wanted, or
             # how all lie at the start, or where what touches here is a wall between pieces
-            told_all = not query.exact and found.status is Status.CONTACT and is_named(sides, told[-1])
+            told_all = not query.exact and found.status is Status.CONTACT and bool(told[-1].named)
             ends = exact_value(found.time_interval[0 if told_all else 1])
             end = ends if end is None else min(end, ends)
         if query.progress is not None and k + 1 < len(asked):

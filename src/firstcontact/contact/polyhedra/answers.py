@@ -94,27 +94,39 @@ def contact_of(problem: Problem, found: Found, exact: bool, stats: Stats, shared
         "subproblems": (),
         **shared,
     }
-    return FirstContact.deferring(known, lambda: where_met(problem, found, time, shared))
+    return FirstContact.deferring(known, lambda: _elements_met(problem, found, time, shared))
 
 
 def where_met(problem: Problem, found: Found, time: float, shared: Mapping[str, Any]) -> dict[str, Any]:
     """What a CONTACT result says of the elements and the place."""
+    elements = _elements_met(problem, found, time, shared)
+    place: dict[str, Any] = elements.pop("_rest")()
+    return elements | place
+
+
+def _elements_met(problem: Problem, found: Found, time: float, shared: Mapping[str, Any]) -> dict[str, Any]:
+    """What it says of the elements; the place waits longer, many callers never ask."""
     named = element_pairs(shared["a"], shared["b"], found.pairs)
-    (lowest, pair), *rest = named
-    point, normal = _place(problem, pair, found.instant, time)
-    if rest and normal is not None and problem.is_exact:
-        met = [p for _, p in named[:MOST_NORMALS]]
-        normals = _normals_at(problem, point, normal, met[1:], found.instant, time)
-        normal = best_apart(shared["a"], shared["b"], time, met, point, normals)
+    (lowest, _), *rest = named
     return {
-        "point": point,
-        "normal": normal,
         "element_a": lowest.element_a,
         "element_b": lowest.element_b,
         "others": tuple(p for p, _ in rest[:MOST_OTHERS]),
         "multiplicity": len(named),
-        "contact_set": "point" if len(named) == 1 and normal is not None else None,
+        "_rest": lambda: _place_met(problem, found, time, shared, [pair for _, pair in named]),
     }
+
+
+def _place_met(
+    problem: Problem, found: Found, time: float, shared: Mapping[str, Any], pairs: list[Pair]
+) -> dict[str, Any]:
+    point, normal = _place(problem, pairs[0], found.instant, time)
+    contact_set = "point" if len(pairs) == 1 and normal is not None else None
+    if len(pairs) > 1 and normal is not None and problem.is_exact:
+        met = pairs[:MOST_NORMALS]
+        normals = _normals_at(problem, point, normal, met[1:], found.instant, time)
+        normal = best_apart(shared["a"], shared["b"], time, met, point, normals)
+    return {"point": point, "normal": normal, "contact_set": contact_set}
 
 
 def _normals_at(

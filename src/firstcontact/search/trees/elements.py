@@ -8,7 +8,7 @@ from flint import fmpq, fmpz
 
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.exact.rigid import Matrix, apply
-from firstcontact.exact.vectors import Vector, scaled, whole, whole_doubles
+from firstcontact.exact.vectors import Vector, scaled, whole
 from firstcontact.pairs.elements.line_line import segments_meet
 from firstcontact.pairs.elements.segment_facet import APART, relation
 from firstcontact.search.trees.state import EDGE_EDGE, EDGE_FACE, FACE_EDGE, FACE_VERTEX, VERTEX_FACE
@@ -26,6 +26,11 @@ KINDS = {
     int(EDGE_FACE): (EDGE, FACE),
     int(FACE_EDGE): (FACE, EDGE),
 }
+
+# Of a scale that all elements share; doubles of one size need some 110.
+MOST_BITS = 256
+# By which it grows ahead, so that it seldom grows.
+SPARE = 32
 
 # An element inside the search: (kind, index) with index a vertex, a segment or a triangle.
 Feature = tuple[int, int]
@@ -58,25 +63,65 @@ def corners_of(body: Polyhedron, element: Feature) -> list[VectorOf[fmpq]]:
     return [body.exact_vertex(i) for i in vertices_of(body, element)]
 
 
-def whole_corners(
-    a: Polyhedron, element_a: Feature, b: Polyhedron, element_b: Feature, per: fmpz, vector: Vector, number: type = fmpz
-) -> tuple[Any, list[Vector], list[Vector], Vector]:
-    """(scale > 0, scale times the corners of both elements, scale times vector / per), all whole numbers.
+class WholeCorners:
+    """The corners of elements of two bodies and one vector, all times one scale that makes them whole numbers.
 
-    Sums of whole numbers have no denominators to find.  Corners in irrational poses are balls, and the scale is `per`.
-    number: what corners given by doubles become; `int` is quicker than fmpz as far as some 200 bits.
+    Sums of whole numbers have no denominators to find, and vertices that many elements share are read once: the scale
+    grows as vertices ask for it.  Where it would grow beyond `MOST_BITS`, elements have scales of their own.
+    number: what they are of, fmpz or, quicker as far as some 200 bits, int; balls in irrational poses stay balls.
     """
-    if a._pose is not None or b._pose is not None:
-        x, y = ([scaled(per, p) for p in corners_of(*which)] for which in ((a, element_a), (b, element_b)))
-        return per, x, y, vector
-    first, second = vertices_of(a, element_a), vertices_of(b, element_b)
-    if a.error == 0.0 and b.error == 0.0:  # the coordinates are the doubles
-        doubles = [a.vertices[i].tolist() for i in first] + [b.vertices[i].tolist() for i in second]
-        scale, points = whole_doubles(doubles, per, number)
-    else:
-        exact = [a.exact_vertex(i) for i in first] + [b.exact_vertex(i) for i in second]
-        scale, points = whole(*exact, per=per)
-    return scale, points[: len(first)], points[len(first) :], scaled(scale // number(per), vector)
+
+    def __init__(self, a: Polyhedron, b: Polyhedron, vector: Vector, number: type = fmpz) -> None:
+        self.bodies, self.number = (a, b), number
+        self._are_balls = a._pose is not None or b._pose is not None
+        self._per, (self._vector,) = whole(vector)
+        self._scaled_by(self._per)
+
+    def _scaled_by(self, scale: fmpz) -> None:
+        self._least, self._scale = scale, self.number(scale)
+        self._common = self._as_numbers(scaled(scale // self._per, self._vector))
+        self._places: tuple[dict[int, Vector], dict[int, Vector]] = {}, {}
+
+    def of(self, element_a: Feature, element_b: Feature) -> tuple[Any, list[Vector], list[Vector], Vector]:
+        """(scale > 0, scale times the corners of the first element, of the second, scale times the vector)."""
+        a, b = self.bodies
+        if self._are_balls:
+            x, y = ([scaled(self._per, p) for p in corners_of(*of)] for of in ((a, element_a), (b, element_b)))
+            return self._per, x, y, self._vector
+        first, second = vertices_of(a, element_a), vertices_of(b, element_b)
+        while True:
+            scale = self._least
+            x, y = [self._place(0, v) for v in first], [self._place(1, v) for v in second]
+            if self._least.bit_length() > MOST_BITS:
+                self._scaled_by(self._per)
+                return self._alone(corners_of(a, element_a), corners_of(b, element_b))
+            if self._least == scale:
+                return self._scale, x, y, self._common
+
+    def _place(self, side: int, vertex: int) -> Vector:
+        found = self._places[side].get(vertex)
+        if found is None:
+            p = self.bodies[side].exact_vertex(vertex)
+            scale = self._least
+            for c in p:
+                if scale % c.q:
+                    scale = scale.lcm(c.q)
+            if scale != self._least:
+                scale <<= SPARE
+                self._scaled_by(scale)
+            x, y, z = p
+            place = x.p * (scale // x.q), y.p * (scale // y.q), z.p * (scale // z.q)
+            found = self._places[side][vertex] = self._as_numbers(place)
+        return found
+
+    def _alone(self, x: list[Vector], y: list[Vector]) -> tuple[Any, list[Vector], list[Vector], Vector]:
+        scale, points = whole(*x, *y, per=self._per)
+        numbers = [self._as_numbers(p) for p in points]
+        vector = self._as_numbers(scaled(scale // self._per, self._vector))
+        return self.number(scale), numbers[: len(x)], numbers[len(x) :], vector
+
+    def _as_numbers(self, x: Vector) -> Vector:
+        return x if self.number is fmpz else (int(x[0]), int(x[1]), int(x[2]))
 
 
 class Primitive:

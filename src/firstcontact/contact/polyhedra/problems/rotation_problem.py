@@ -52,7 +52,7 @@ from firstcontact.result import ExactAngle
 from firstcontact.search.trees import rotate  # noqa: F401 - the walk under this motion
 from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.cylinder import COLUMNS
-from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
+from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, WholeCorners, corners_of
 from firstcontact.search.trees.frame import frame_of, view_in
 from firstcontact.search.trees.touch import Touch, place_doubles, rotation_normal
 from firstcontact.search.trees.tree import Tree
@@ -94,8 +94,7 @@ class RotationProblem(ByEngine):
         self.rate = sense * piece.rate[0], sense * piece.rate[1]
         h, self.origin = piece.axis, piece.point
         _, (direction,) = whole(h)
-        per, (origin,) = whole(self.origin)
-        self._whole_origin = per, origin
+        self._whole, self._ints = (WholeCorners(a, b, self.origin, number) for number in (fmpz, int))
         self._whole_axis = Axis(scaled(-1, direction) if self.backward else direction)
         self.first, self.opening, self.turn = _ZERO, _ZERO, 0
         if piece.reference != piece.start:
@@ -105,7 +104,6 @@ class RotationProblem(ByEngine):
         self.last = None if piece.end is None else self._angle_at(piece.end)
         if self.last is not None and self.turn:
             self.last = self.last[0], self.last[1] - self.turn
-        self._known_corners: dict[tuple[Feature, Feature], tuple[fmpz, list[Vector], list[Vector]]] = {}
         self._window: tuple[float, float] | None = None
         self._prepare()
 
@@ -191,22 +189,6 @@ class RotationProblem(ByEngine):
         assert self.last is not None
         return angle_ball(self.last[0], "radians") + angle_ball(self.last[1], "turns")
 
-    def _corners(self, element_a: Feature, element_b: Feature) -> tuple[fmpz, list[Vector], list[Vector]]:
-        """(scale, scale times the exact corners about the axis' point); kept, unless they depend on the precision."""
-        key = element_a, element_b
-        found = self._known_corners.get(key)
-        if found is None:
-            found = self._find_corners(*key, fmpz)
-            if self.is_exact:
-                self._known_corners[key] = found
-        return found
-
-    def _find_corners(
-        self, element_a: Feature, element_b: Feature, number: type
-    ) -> tuple[fmpz, list[Vector], list[Vector]]:
-        scale, a, b, o = whole_corners(self.a, element_a, self.b, element_b, *self._whole_origin, number)
-        return (scale, [sub(p, o) for p in a], [sub(p, o) for p in b]) if any(o) else (scale, a, b)
-
     def contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
         """All contacts of the two elements during one full turn: (instant, point of b about `origin`)."""
         key = element_a, element_b
@@ -218,7 +200,7 @@ class RotationProblem(ByEngine):
 
     def _find_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
         """The contacts from corners in whole numbers: angles stay, and no sum has to find a denominator."""
-        scale, a, b = self._corners(element_a, element_b)
+        scale, a, b = _about_origin(self._whole, element_a, element_b)
         axis = self._whole_axis
         if element_a[0] == VERTEX:
             found = point_plane_rotation.rotation_contacts(axis, a[0], *b)
@@ -240,7 +222,7 @@ class RotationProblem(ByEngine):
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> AngleInstant | None:
         """The first contact of the two elements, of which floats have proved that it is in [lo, hi]; exact."""
         if self.is_exact:
-            _, a, b = self._find_corners(element_a, element_b, int)
+            _, a, b = _about_origin(self._ints, element_a, element_b)
             instant = coplanar.rotation_instant(self._whole_axis, a, b, lo, hi)
             if instant is not None:
                 return instant
@@ -390,7 +372,7 @@ class RotationProblem(ByEngine):
         contacts = self.contacts(element_a, element_b)
         point = next(q for instant, q in contacts if len(contacts) == 1 or same_instant(instant, at))
         where = place_doubles(point)
-        _, corners_a, corners_b = self._corners(element_a, element_b)
+        _, corners_a, corners_b = _about_origin(self._whole, element_a, element_b)
         normal = rotation_normal(corners_a, corners_b, self._whole_axis, point, where, at)
         return np.array([x + to_double(y) for x, y in zip(where, self.origin, strict=True)]), normal
 
@@ -528,3 +510,11 @@ def _ranges(body: Polyhedron, tree_a: Tree, tree_b: Tree, key: tuple[object, Seq
         ranges[-1, :3] = (*key[1], q)
         cached = _RANGES.put(body, (key, tree_a, tree_b, ranges))
     return cached[3]
+
+
+def _about_origin(
+    corners: WholeCorners, element_a: Feature, element_b: Feature
+) -> tuple[Any, list[Vector], list[Vector]]:
+    """(scale, scale times the exact corners about the axis' point)."""
+    scale, a, b, o = corners.of(element_a, element_b)
+    return (scale, [sub(p, o) for p in a], [sub(p, o) for p in b]) if any(o) else (scale, a, b)

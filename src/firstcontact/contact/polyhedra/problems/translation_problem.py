@@ -17,13 +17,13 @@ from firstcontact.exact.numbers import Undecidable, below, dyadic, exact_value, 
 from firstcontact.exact.rigid import Matrix, shift
 from firstcontact.exact.times.instants import RationalInstant, enclose
 from firstcontact.exact.times.windows import ALWAYS, Window, clip, hull
-from firstcontact.exact.vectors import Vector, scaled, whole
+from firstcontact.exact.vectors import Vector, scaled
 from firstcontact.motion.relative.pieces import Piece
 from firstcontact.pairs.elements import coplanar, line_line, point_plane, segment_facet
 from firstcontact.pairs.elements.separated import are_apart
 from firstcontact.search.trees import translate
 from firstcontact.search.trees.containment import contained
-from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
+from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, WholeCorners, corners_of
 from firstcontact.search.trees.frame import Frame, shared_frame, tree_of, view_in
 from firstcontact.search.trees.touch import Touch, translation_touch
 
@@ -52,9 +52,7 @@ class TranslationProblem(ByEngine):
             self.v = scaled(1 / self.pace, self.v)
             self._doubles = [to_double(x) for x in self.v]
         self.is_exact = a._pose is None and b._pose is None
-        per, (v,) = whole(self.v)
-        self._whole_velocity = per, v
-        self._known_corners: dict[tuple[Feature, Feature], tuple[fmpz, list[Vector], list[Vector], Vector]] = {}
+        self._whole, self._ints = (WholeCorners(a, b, self.v, number) for number in (fmpz, int))
         self.last = None if piece.end is None else piece.end - piece.start
         if self.last is not None and self.pace is not None:
             self.last *= self.pace
@@ -84,21 +82,9 @@ class TranslationProblem(ByEngine):
             return last, last
         return math.nextafter(last, math.inf), math.nextafter(last, -math.inf)
 
-    def _corners(
-        self, element_a: Feature, element_b: Feature
-    ) -> tuple[fmpz, list[Vector], list[Vector], Vector]:
-        """`whole_corners` with the velocity; of rational bodies they are kept, precision does not change them."""
-        key = element_a, element_b
-        found = self._known_corners.get(key)
-        if found is None:
-            found = whole_corners(self.a, element_a, self.b, element_b, *self._whole_velocity)
-            if self.is_exact:
-                self._known_corners[key] = found
-        return found
-
     def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
         """The earliest time of the window at which the two elements share a point; exact."""
-        _, corners_a, corners_b, v = self._corners(element_a, element_b)
+        _, corners_a, corners_b, v = self._whole.of(element_a, element_b)
         elements = element_a, corners_a, element_b, corners_b, v
         clipped = clip(self._unless_apart(lambda: _window(*elements), corners_a, corners_b, v), (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
@@ -117,9 +103,7 @@ class TranslationProblem(ByEngine):
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> RationalInstant | None:
         """The first contact of the two elements, of which floats have proved that it is in [lo, hi]; exact."""
         if self.is_exact:
-            per, v = self._whole_velocity
-            whole = int(v[0]), int(v[1]), int(v[2])
-            _, a, b, v = whole_corners(self.a, element_a, self.b, element_b, per, whole, int)
+            _, a, b, v = self._ints.of(element_a, element_b)
             time = coplanar.translation_instant(a, b, v)
             if time is not None:
                 return RationalInstant(time)
@@ -230,7 +214,7 @@ class TranslationProblem(ByEngine):
 
     def touch(self, element_a: Feature, element_b: Feature, at: RationalInstant) -> Touch:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
-        scale, corners_a, corners_b, v = self._corners(element_a, element_b)
+        scale, corners_a, corners_b, v = self._whole.of(element_a, element_b)
         return translation_touch(element_a, corners_a, element_b, corners_b, v, scale, at)
 
 
