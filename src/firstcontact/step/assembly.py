@@ -297,14 +297,18 @@ def _body_of(node: Assembly) -> Compound:
         for part in parts
     ]
     pieces = itertools.chain.from_iterable(body.pieces for body in bodies_)
-    shown = itertools.chain.from_iterable(body.shown for body in bodies_)
+    shown = None
+    if not all(body.is_shown_as_it_is for body in bodies_):
+        shown = lambda: (piece for body in bodies_ for piece in body.shown)  # noqa: E731
     deviation = max(body.deviation for body in bodies_)
     return Compound(pieces, deviation=deviation, unit=node.unit, source=node._source, shown=shown, name=node.name)
 
 
 def _compound(made: tuple[bodies.Built, ...], placement: Matrix, path: str, unit: str | None) -> Compound:
     pieces = [replace(piece, path=path) for x in made for piece in x.pieces]
-    shown = [replace(piece, path=path) for x in made for piece in x.shown]
+    shown = None
+    if any(x.shown is not None for x in made):
+        shown = lambda: (replace(piece, path=path) for x in made for piece in x.drawn())  # noqa: E731
     whole = Compound(pieces, shown=shown, deviation=max(x.deviation for x in made), unit=unit)
     return whole if placement == IDENTITY else whole._mapped(placement)
 

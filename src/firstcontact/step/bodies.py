@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -38,13 +40,16 @@ class Wanted:
 @dataclass(frozen=True)
 class Built:
     """pieces: bodies in the part's own frame; deviation: of their faces from the file's, a bound; exact: whether they
-    lie on the very surfaces; solid: what they were made of; shown: polyhedra for pictures."""
+    lie on the very surfaces; solid: what they were made of; shown: makes polyhedra for pictures, None: the pieces."""
 
     pieces: tuple[Piece, ...]
     deviation: float
     exact: bool
     solid: Solid
-    shown: tuple[Piece, ...]
+    shown: Callable[[], tuple[Piece, ...]] | None = None
+
+    def drawn(self) -> tuple[Piece, ...]:
+        return self.pieces if self.shown is None else self.shown()
 
 
 def solids_of(part: Shape) -> list[Solid]:
@@ -76,14 +81,15 @@ def _built(solid: Solid, wanted: Wanted) -> Built:
     solid.check()
     flat = planar.polyhedron_of(solid)
     if flat is not None:
-        _check_volume(solid, flat.polyhedron, flat.moved)
+        _check_volume(solid, flat.polyhedron.vertices, flat.polyhedron.triangles, flat.moved)
         piece = Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron))
-        return Built((piece,), flat.moved, True, solid, (piece,))
+        return Built((piece,), flat.moved, True, solid)
     if wanted.surfaces and (own := _by_surfaces(solid)) is not None:
         return own
     net = triangulated(solid, DEVIATION * solid.size if wanted.deviation is None else wanted.deviation)
+    _check_volume(solid, net.points, net.triangles, net.deviation)
     piece = _mesh_piece(solid, net)
-    return Built((piece,), net.deviation, False, solid, (piece,))
+    return Built((piece,), net.deviation, False, solid)
 
 
 def _by_surfaces(solid: Solid) -> Built | None:
@@ -96,18 +102,19 @@ def _by_surfaces(solid: Solid) -> Built | None:
         Piece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
         for x in found
     ]
-    return Built(tuple(exact), off, True, solid, (_mesh_piece(solid, rough),))
+    _check_volume(solid, rough.points, rough.triangles, rough.deviation)
+    shown = cache(lambda: (_mesh_piece(solid, rough),))
+    return Built(tuple(exact), off, True, solid, shown)
 
 
 def _mesh_piece(solid: Solid, net: Net) -> Piece:
     mesh = Polyhedron(net.points, net.triangles.astype(np.int32), solid=True)
-    _check_volume(solid, mesh, net.deviation)
     return Piece(mesh, _names_of_triangles(solid, mesh, net))
 
 
-def _check_volume(solid: Solid, mesh: Polyhedron, deviation: float) -> None:
+def _check_volume(solid: Solid, points: np.ndarray, triangles: np.ndarray, deviation: float) -> None:
     """That nothing is lost: a body within the deviation of the solid's boundary differs by a layer of that depth."""
-    p, q, r = (mesh.vertices[mesh.triangles[:, k]] - solid.box[0] for k in range(3))
+    p, q, r = (points[triangles[:, k]] - solid.box[0] for k in range(3))
     volume = float(np.einsum("ij,ij->i", p, np.cross(q, r)).sum()) / 6
     wanted, area = solid.volume_and_area
     if wanted <= 0.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -23,11 +24,13 @@ class Trims:
     def __init__(self, solid: Solid) -> None:
         self.solid = solid
         self.faces: dict[int, _Face] = {}
+        self.borders = Counter(face for faces in solid.incidence[0] for face in faces)
+        """How many edges each face has: the more, the longer its answers take."""
 
     def outside(self, points: np.ndarray, faces: Iterable[int]) -> np.ndarray:
         """Those of the points (n, 3), on the surface of each of the faces, that are in none of these."""
         left = points
-        for number in faces:
+        for number in sorted(faces, key=self.borders.__getitem__):
             if len(left):
                 left = left[~self._face(number).holds(left)]
         return left

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -71,13 +72,13 @@ class Compound(Placing):
         deviation: float = 0.0,
         unit: str | None = None,
         source: dict[str, Json] | None = None,
-        shown: Iterable[Piece] | None = None,
+        shown: Callable[[], Iterable[Piece]] | None = None,
         name: str | None = None,
     ) -> None:
-        """source: the table of a scene that makes the same body, where a file does.  shown: polyhedra that pictures
-        have instead of pieces."""
+        """source: the table of a scene that makes the same body, where a file does.  shown: makes the polyhedra
+        that pictures have instead of pieces."""
         self.pieces = tuple(pieces)
-        self.shown = self.pieces if shown is None else tuple(shown)
+        self._shown = shown
         self.deviation, self.unit, self.name = deviation, unit, name
         self._source, self._matrix = source, IDENTITY
         self._search: dict[Any, Any] = {}
@@ -90,6 +91,16 @@ class Compound(Placing):
                     "load_step makes: join solids by |, put the components of a mesh in one Polyhedron, or ask about "
                     "each body of a scene"
                 )
+
+    @cached_property
+    def shown(self) -> tuple[Piece, ...]:
+        """What pictures have of it: polyhedra, made when one is drawn."""
+        return self.pieces if self._shown is None else tuple(self._shown())
+
+    @property
+    def is_shown_as_it_is(self) -> bool:
+        """Whether pictures have its very pieces."""
+        return self._shown is None
 
     @property
     def bounded(self) -> bool:
@@ -124,10 +135,13 @@ class Compound(Placing):
         return other
 
     def _mapped(self, matrix: Matrix) -> Compound:
-        pieces, shown = (tuple(piece.mapped(matrix) for piece in own) for own in (self.pieces, self.shown))
+        pieces = tuple(piece.mapped(matrix) for piece in self.pieces)
+        shown = None if self._shown is None else lambda: (piece.mapped(matrix) for piece in self.shown)
         deviation = self.deviation * _stretch(matrix) if self.deviation else 0.0
         total = compose(matrix, self._matrix)
-        return self._with(pieces=pieces, shown=shown, deviation=deviation, _matrix=total, _search={})
+        mapped = self._with(pieces=pieces, _shown=shown, deviation=deviation, _matrix=total, _search={})
+        mapped.__dict__.pop("shown", None)
+        return mapped
 
     def told(self) -> list[str]:
         """Pieces, deviation and bounds."""
@@ -151,7 +165,8 @@ class Compound(Placing):
         return made
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "_search": {}, "_matrix": numbers(self._matrix)}
+        shown = None if self._shown is None else partial(tuple, self.shown)
+        return {**self.__dict__, "_search": {}, "_matrix": numbers(self._matrix), "_shown": shown}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         rows = tuple(tuple(rational(x, "matrix") for x in row) for row in state["_matrix"])

@@ -40,6 +40,8 @@ MOST_ROUNDS = 12
 """How often steps that are too long are halved."""
 SAME = 2.0**-50
 """Points nearer than this, in units of the model's coordinates, to where branches meet are the same."""
+STILL = 2.0**-51
+"""A step so small beside the point goes nowhere."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,11 +172,17 @@ class PairF:
 
 def pulled(forms: np.ndarray, p: np.ndarray, steps: int = 6) -> np.ndarray:
     """(n, 3) points, each taken onto the common points of its forms (n, k, 4, 4) by Newton steps of least length."""
+    p, left = p.copy(), np.arange(len(p))
     for _ in range(steps):
-        value, slope = value_and_slope(forms, p)
+        own = forms if len(left) == len(p) else forms[left]
+        value, slope = value_and_slope(own, p[left])
         gram = np.einsum("nik,njk->nij", slope, slope)
         gram += 1e-14 * np.trace(gram, axis1=1, axis2=2)[:, None, None] * np.eye(forms.shape[1])
-        p = p - np.einsum("nik,ni->nk", slope, np.linalg.solve(gram, value[..., None])[..., 0])
+        step = np.einsum("nik,ni->nk", slope, np.linalg.solve(gram, value[..., None])[..., 0])
+        p[left] -= step
+        left = left[np.abs(step).max(axis=1) > STILL * np.abs(p[left]).max(axis=1)]
+        if not len(left):
+            break
     return p
 
 
