@@ -151,10 +151,10 @@ def test_every_edge_and_vertex_is_owned(name):
     tree = tree_of(body)
     edges, flat, vertices = owners(tree)
     split = bool(np.any(tree.ids[:, 1] & SPLIT))
-    used = set(body._segments.ravel().tolist()) | set(body.triangles.ravel().tolist())
+    used = set(body.segments.ravel().tolist()) | set(body.triangles.ravel().tolist())
     assert set(vertices) == (used or set(range(len(body.vertices))))
-    bare_points = {len(body._segments) + v for v in range(len(body.vertices))} if not used else set()
-    assert set(edges) | set(flat) == {e for e, (i, j) in enumerate(body._segments) if i != j} | bare_points
+    bare_points = {len(body.segments) + v for v in range(len(body.vertices))} if not used else set()
+    assert set(edges) | set(flat) == {e for e, (i, j) in enumerate(body.segments) if i != j} | bare_points
     assert not set(edges) & set(flat)
     if not split:
         assert set([*edges.values(), *flat.values(), *vertices.values()]) == {1}
@@ -163,7 +163,7 @@ def test_every_edge_and_vertex_is_owned(name):
 def test_the_diagonals_of_a_box_are_its_flat_sides():
     body = fc.Polyhedron(*(lambda b: (b.v, b.f))(g.box((1, 2, 3))))
     _, flat, _ = owners(tree_of(body))
-    lengths = sorted(float(np.sum(np.diff(body.vertices[body._segments[e]], axis=0) ** 2)) for e in flat)
+    lengths = sorted(float(np.sum(np.diff(body.vertices[body.segments[e]], axis=0) ** 2)) for e in flat)
     assert lengths == [5, 5, 10, 10, 13, 13]
 
 
@@ -240,7 +240,7 @@ def test_masks_say_what_a_part_is():
 def test_edges_that_the_user_gave_are_never_flat():
     body = g.box((1, 2, 3))
     diagonals = owners(tree_of(fc.Polyhedron(body.v, body.f)))[1]
-    segments = fc.Polyhedron(body.v, body.f)._segments
+    segments = fc.Polyhedron(body.v, body.f).segments
     given = [segments[e].tolist() for e in diagonals]
     edges, flat, _ = owners(tree_of(fc.Polyhedron(body.v, body.f, edges=given[:4])))
     assert len(flat) == 2 and {0, 1, 2, 3} <= set(edges)

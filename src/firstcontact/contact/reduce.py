@@ -54,7 +54,7 @@ def is_small_and_convex(body: Polyhedron) -> bool:
 
 def _model(body: Polyhedron) -> CompositeQuadric:
     who = body.name or "polyhedron"
-    if not body.solid or body._pose is not None:
+    if not body.solid or body.irrational_pose is not None:
         raise UnsupportedPair(f"{who}: only solid polyhedra in rational poses are asked this of curved models")
     points = [body.exact_vertex(i) for i in range(len(body.vertices))]
     used = sorted(set(body.triangles.ravel().tolist()))
@@ -123,12 +123,12 @@ def _features(
     for k, i in plane_of.items():
         for v in body.triangles[k].tolist():
             around[v].add(i)
-        for e in body._side_edge[k].tolist():
+        for e in body.side_edge[k].tolist():
             beside[e].add(i)
     edges = []
     for e, sides in sorted(beside.items()):
         if len(sides) > 1:
-            i, j = body._segments[e].tolist()
+            i, j = body.segments[e].tolist()
             a, b = points[i], points[j]
             direction = tuple(y - x for x, y in zip(a, b, strict=True))
             line = Line(columns((*direction, ZERO), (*a, ONE)))

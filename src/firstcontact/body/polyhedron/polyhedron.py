@@ -70,11 +70,11 @@ class Polyhedron(Placing):
     ) -> None:
         self.name = name
         who = name or "polyhedron"
-        self._base, self._fractions = _read_vertices(vertices, who)
-        self._matrix: Matrix = IDENTITY
-        self._pose: Any = None
-        self.vertices = self._base
-        self.error = _rounding_error(self._fractions, self._base)
+        self.base, self.fractions = _read_vertices(vertices, who)
+        self.matrix: Matrix = IDENTITY
+        self.irrational_pose: Any = None
+        self.vertices = self.base
+        self.error = _rounding_error(self.fractions, self.base)
         """Bound on |true coordinate - vertices[i, k]|; 0 when the doubles are exact."""
         _read_faces(self, faces, who)
         _derive(self, _read_edges(edges, len(self.vertices), who), solid, who)
@@ -114,17 +114,17 @@ class Polyhedron(Placing):
 
     def exact_vertex(self, i: int) -> VectorOf[fmpq]:
         """The true coordinates of vertex i: fmpq, or balls in an irrational pose."""
-        if self._fractions is not None:
-            x, y, z = (rational(c, "vertex") for c in self._fractions[i])
+        if self.fractions is not None:
+            x, y, z = (rational(c, "vertex") for c in self.fractions[i])
         else:
-            x, y, z = self._base[i].tolist()
+            x, y, z = self.base[i].tolist()
             x, y, z = fmpq(*x.as_integer_ratio()), fmpq(*y.as_integer_ratio()), fmpq(*z.as_integer_ratio())
-            if self._matrix is IDENTITY and self._pose is None:
+            if self.matrix is IDENTITY and self.irrational_pose is None:
                 return x, y, z
-        if self._pose is not None:
-            x, y, z = apply(self._pose.matrix(), apply(self._matrix, (x, y, z)))
+        if self.irrational_pose is not None:
+            x, y, z = apply(self.irrational_pose.matrix(), apply(self.matrix, (x, y, z)))
             return x, y, z
-        return (x, y, z) if self._matrix is IDENTITY else apply(self._matrix, (x, y, z))
+        return (x, y, z) if self.matrix is IDENTITY else apply(self.matrix, (x, y, z))
 
     @property
     def closed(self) -> bool:
@@ -153,14 +153,14 @@ class Polyhedron(Placing):
         """The exact coordinates of the vertices, hashable: doubles where they are exact."""
         if self.error == 0.0:
             return (self.vertices + 0.0).tobytes()  # without -0.0
-        if self._pose is not None:
-            return self._pose, self._matrix, self._base.tobytes(), repr(self._fractions)
+        if self.irrational_pose is not None:
+            return self.irrational_pose, self.matrix, self.base.tobytes(), repr(self.fractions)
         return tuple(self.exact_vertex(i) for i in range(len(self.vertices)))
 
     def _table(self) -> Table:
-        if self._pose is not None:
+        if self.irrational_pose is not None:
             raise InputError(f"{self!r} stands in an irrational pose, which no numbers tell; write it before it moves")
-        edges = self._segments[: self._given_edges].tolist()
+        edges = self.segments[: self.given_edges].tolist()
         return {
             "shape": "polyhedron",
             "vertices": self.vertices.tolist() if self.error == 0.0 else numbers(self._places()),
@@ -171,10 +171,10 @@ class Polyhedron(Placing):
 
     # -- inside ---------------------------------------------------------------------------------------------
 
-    def _bare_edges(self) -> np.ndarray:
+    def bare_edges(self) -> np.ndarray:
         """Numbers of the segments that are on no triangle."""
-        bare = np.ones(len(self._segments), bool)
-        bare[self._side_edge[self._side_edge >= 0]] = False
+        bare = np.ones(len(self.segments), bool)
+        bare[self.side_edge[self.side_edge >= 0]] = False
         return np.flatnonzero(bare)
 
     def _with(self, **changes: object) -> Polyhedron:
@@ -185,21 +185,21 @@ class Polyhedron(Placing):
         return other
 
     def _mapped(self, matrix: Matrix) -> Polyhedron:
-        total = compose(matrix, self._matrix)
+        total = compose(matrix, self.matrix)
         m = np.array([[to_double(x) for x in row] for row in total])
-        vertices = self._base @ m[:, :3].T + m[:, 3]
+        vertices = self.base @ m[:, :3].T + m[:, 3]
         if not np.all(np.abs(vertices) < LARGEST):
             raise InputError(f"{self.name or 'polyhedron'}: coordinates leave the range 2^150 under this map")
         error = 0.0
-        if not _is_exact_map(m, total, self._base, vertices) or self._fractions is not None:
-            size = np.abs(self._base).max(axis=0, initial=0.0) @ np.abs(m[:, :3]).T + np.abs(m[:, 3])
+        if not _is_exact_map(m, total, self.base, vertices) or self.fractions is not None:
+            size = np.abs(self.base).max(axis=0, initial=0.0) @ np.abs(m[:, :3]).T + np.abs(m[:, 3])
             # entries, products and sums round: at most 8 roundings each of relative size 2^-53
-            base_error = _rounding_error(self._fractions, self._base)
+            base_error = _rounding_error(self.fractions, self.base)
             error = float(size.max() * 8 * 2.0**-53 + 3 * base_error * np.abs(m[:, :3]).max() * 1.01 + LEAST)
         vertices.flags.writeable = False
-        mapped = self._with(vertices=vertices, error=error, _matrix=total, _search={})
+        mapped = self._with(vertices=vertices, error=error, matrix=total, _search={})
         if error == 0.0:
-            mapped._base, mapped._matrix = vertices, IDENTITY
+            mapped.base, mapped.matrix = vertices, IDENTITY
         return mapped
 
     def _placed(self, pose: Placement, doubles: list[list[float]]) -> Polyhedron:
@@ -210,18 +210,18 @@ class Polyhedron(Placing):
         # an entry, a product and three sums round: at most 8 roundings of relative size 2^-53
         error = float(size.max() * 8 * 2.0**-53 + 3 * self.error * np.abs(m[:, :3]).max() * 1.01 + LEAST)
         vertices.flags.writeable = False
-        return self._with(vertices=vertices, error=error, _pose=pose, _search={})
+        return self._with(vertices=vertices, error=error, irrational_pose=pose, _search={})
 
     def __getstate__(self) -> dict[str, object]:
         state = dict(self.__dict__)
         state["_search"] = {}
-        state["_matrix"] = tuple(tuple(fraction(x) for x in row) for row in self._matrix)
+        state["matrix"] = tuple(tuple(fraction(x) for x in row) for row in self.matrix)
         return state
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        matrix = tuple(tuple(rational(x, "matrix") for x in row) for row in state["_matrix"])
-        self._matrix = IDENTITY if matrix == IDENTITY else matrix  # type: ignore[assignment]
+        matrix = tuple(tuple(rational(x, "matrix") for x in row) for row in state["matrix"])
+        self.matrix = IDENTITY if matrix == IDENTITY else matrix  # type: ignore[assignment]
 
     n_faces: int
     triangles: np.ndarray
@@ -232,9 +232,9 @@ class Polyhedron(Placing):
     _sides: np.ndarray | None
     _rings: tuple[np.ndarray, np.ndarray] | None
     """Of polygons: how many rings each has, and how many sides each ring; `_sides` lists these in order."""
-    _side_edge: np.ndarray
-    _segments: np.ndarray
-    _given_edges: int
+    side_edge: np.ndarray
+    segments: np.ndarray
+    given_edges: int
     _search: dict[Any, Any]
 
 
@@ -401,7 +401,7 @@ def _check_indices(array: np.ndarray, n: int, who: str, what: str) -> None:
 def _derive(body: Polyhedron, given: np.ndarray | None, solid: bool | None, who: str) -> None:
     """Edges, their numbering, closedness; everything that follows from the faces.
 
-    `_segments` (k, 2) lists all edges that take part in contacts: `edges` and behind them the diagonals of
+    `segments` (k, 2) lists all edges that take part in contacts: `edges` and behind them the diagonals of
     polygons; `_side_edge` (m, 3) is the segment along each triangle side (-1: no side).
     """
     from firstcontact.body.polyhedron.topology import derive_edges
@@ -416,9 +416,9 @@ def _derive(body: Polyhedron, given: np.ndarray | None, solid: bool | None, who:
     n_edges = len(segments)
     if given is not None or body._sides is not None:
         segments, n_edges, side_edge = _renumber(body, segments, side_edge, given, n)
-    body._given_edges = 0 if given is None else len(given)
-    body._segments = segments
-    body._side_edge = side_edge
+    body.given_edges = 0 if given is None else len(given)
+    body.segments = segments
+    body.side_edge = side_edge
     body.edges = segments[:n_edges]
     body.edges.flags.writeable = False
     if solid and not body._closed:

@@ -264,7 +264,7 @@ class _Answer:
         corner, sides = self._sharp_corner(touch), tree.sides[touch.primitive]
         if corner is not None:
             around = triangles_at_vertex(mesh, corner)
-            at = [int(e) for e in np.unique(mesh._side_edge[around]) if corner in mesh._segments[e]]
+            at = [int(e) for e in np.unique(mesh.side_edge[around]) if corner in mesh.segments[e]]
             return Element("vertex", name, corner, name), self._flats(around.tolist(), at, touch)
         bare = touch.primitive >= len(mesh.triangles)
         for s in (0,) if bare else touch.sides:
@@ -278,7 +278,7 @@ class _Answer:
     def _sharp_corner(self, touch: Touch) -> int | None:
         """The vertex that touches, if one does and its triangles do not lie in one plane."""
         corners, sides = tree_of(self.mesh).corners[touch.primitive], tree_of(self.mesh).sides[touch.primitive]
-        if sides[0] >= len(self.mesh._segments):  # a bare point
+        if sides[0] >= len(self.mesh.segments):  # a bare point
             return int(corners[0])
         k = touch.corner
         if k < 0 and len(touch.sides) == 2 and touch.primitive < len(self.mesh.triangles):
@@ -298,7 +298,7 @@ class _Answer:
                 found.append((None, None))
                 break
         for e in edges:
-            i, j = self.mesh._segments[e]
+            i, j = self.mesh.segments[e]
             d = turn @ (self.mesh.vertices[j] - self.mesh.vertices[i])
             if abs(d @ n) <= ACROSS * np.linalg.norm(d):
                 found.append((None, tuple(d.tolist())))

@@ -295,7 +295,7 @@ class HoledSearch(MeshSearch):
         """The vertices of a vertex, an edge, or a face that is this triangle."""
         if isinstance(feature, Vertex):
             return [feature.index]
-        rows = self.mesh._segments if isinstance(feature, Edge) else self.mesh.triangles
+        rows = self.mesh.segments if isinstance(feature, Edge) else self.mesh.triangles
         corners: np.ndarray = rows[feature.index if isinstance(feature, Edge) else triangle]
         return corners
 
@@ -356,7 +356,7 @@ class _Group:
         rows = list(self.triangles)
         if isinstance(feature, Face):
             return rows[self.patch.faces.index(feature)], -1, ()
-        numbers = mesh.triangles if isinstance(feature, Vertex) else mesh._side_edge
+        numbers = mesh.triangles if isinstance(feature, Vertex) else mesh.side_edge
         i, k = (int(x[0]) for x in np.nonzero(numbers[rows] == feature.index))
         return (rows[i], k, ()) if isinstance(feature, Vertex) else (rows[i], -1, (k,))
 

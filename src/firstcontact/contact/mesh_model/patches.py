@@ -71,7 +71,7 @@ def patch(body: Polyhedron, primitives: Iterable[int], outward: Sequence[float])
         parts.trees.append(conjunction([Leaf(i) for i in range(first, len(parts.surfaces))]))
     edges, vertices = parts.edges(), parts.vertices()
     for e in edges:
-        parts.hulls[e] = [body.exact_vertex(i) for i in body._segments[e.index].tolist()]
+        parts.hulls[e] = [body.exact_vertex(i) for i in body.segments[e.index].tolist()]
     return Patch(
         body, body.name, tuple(parts.surfaces), _union(parts.trees), tuple(parts.faces), tuple(edges), tuple(vertices),
         corners=_box(body, chosen), hulls=parts.hulls,
@@ -101,7 +101,7 @@ class _Parts:
             raise UnsupportedPair(f"{self.who}: triangle {k} has no area; exact arithmetic does not take it")
         self.surfaces += [forms[0], forms[0].negated(), *forms[1:]]
         for s in range(3):
-            side = int(body._side_edge[k, s])
+            side = int(body.side_edge[k, s])
             self.on_edge[side] |= {first, first + 1, first + 2 + s}
             self.faces_at[side].add(len(self.faces))
             self.on_vertex[corners[s]] |= {first, first + 1, first + 2 + s, first + 2 + (s + 2) % 3}
@@ -135,9 +135,9 @@ def bare_primitive(body: Polyhedron, k: int) -> tuple[int | None, list[int]]:
     """(the edge, its two vertices) of a bare edge, (None, [the vertex]) of a bare point."""
     tree = tree_of(body)
     e = int(tree.sides[k][0])
-    if e >= len(body._segments):
+    if e >= len(body.segments):
         return None, [int(tree.corners[k][0])]
-    return e, body._segments[e].tolist()
+    return e, body.segments[e].tolist()
 
 
 def _bare_forms(points: Sequence[Vector]) -> list[Plane]:
@@ -206,7 +206,7 @@ def _cross_of(a: Vector, b: Vector, c: Vector) -> Vector:
 
 
 def _edge(body: Polyhedron, who: str, e: int, surfaces: set[int], faces: set[int]) -> Edge:
-    i, j = body._segments[e].tolist()
+    i, j = body.segments[e].tolist()
     a, b = body.exact_vertex(i), body.exact_vertex(j)
     line = Line(columns((*_minus(b, a), ZERO), (*a, ONE)))
     frame = np.array([[to_double(c) for c in row] for row in line.basis])
@@ -224,14 +224,14 @@ def is_sharp_edge(body: Polyhedron, e: int) -> bool:
     """Whether a segment is an edge that users know, and its triangles do not lie in one plane."""
     if not 0 <= e < len(body.edges):
         return False
-    return e < body._given_edges or not _in_one_plane(body, triangles_at_edge(body, e))
+    return e < body.given_edges or not _in_one_plane(body, triangles_at_edge(body, e))
 
 
 def is_sharp_vertex(body: Polyhedron, v: int) -> bool:
     """Whether the triangles at a vertex do not lie in one plane, or end there (on the rim of an open surface)."""
     around = triangles_at_vertex(body, v)
-    sides = np.unique(body._side_edge[around])
-    ends = (e for e in sides if v in body._segments[e] and len(triangles_at_edge(body, e)) < 2)
+    sides = np.unique(body.side_edge[around])
+    ends = (e for e in sides if v in body.segments[e] and len(triangles_at_edge(body, e)) < 2)
     return not _in_one_plane(body, around) or any(ends)
 
 
@@ -240,7 +240,7 @@ _AT_VERTICES = Kept[tuple[np.ndarray, np.ndarray]]()
 
 
 def triangles_at_edge(body: Polyhedron, e: int) -> np.ndarray:
-    return _at(body, _AT_EDGES, body._side_edge, e)
+    return _at(body, _AT_EDGES, body.side_edge, e)
 
 
 def triangles_at_vertex(body: Polyhedron, v: int) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -36,10 +36,10 @@ def _users(body: Any, found: Feature) -> Feature:
     kind, index = found
     if kind == FACE:
         return FACE, int(body.triangle_face[index])
-    if kind == EDGE and index >= len(body._segments):
-        return VERTEX, index - len(body._segments)
+    if kind == EDGE and index >= len(body.segments):
+        return VERTEX, index - len(body.segments)
     if kind == EDGE and index >= len(body.edges):  # a diagonal of a polygon belongs to its face
-        triangle = int(np.argwhere(body._side_edge == index)[0, 0])
+        triangle = int(np.argwhere(body.side_edge == index)[0, 0])
         return FACE, int(body.triangle_face[triangle])
     return found
 
@@ -94,39 +94,38 @@ def contact_of(problem: Problem, found: Found, exact: bool, stats: Stats, shared
         "subproblems": (),
         **shared,
     }
-    return FirstContact.deferring(known, lambda: _elements_met(problem, found, time, shared))
+    bodies = shared["a"], shared["b"]
+    return FirstContact.deferring(known, lambda: _elements_met(problem, found, time, bodies))
 
 
-def where_met(problem: Problem, found: Found, time: float, shared: Mapping[str, Any]) -> dict[str, Any]:
-    """What a CONTACT result says of the elements and the place."""
-    elements = _elements_met(problem, found, time, shared)
-    place: dict[str, Any] = elements.pop("_rest")()
-    return elements | place
+def _elements_met(problem: Problem, found: Found, time: float, bodies: tuple[Body, Body]) -> dict[str, object]:
+    """What a CONTACT result says of the elements; the place waits longer, many callers never ask."""
+    named = element_pairs(*bodies, found.pairs)
 
+    def place() -> dict[str, object]:
+        point, normal = place_met(problem, found, time, bodies, [pair for _, pair in named])
+        contact_set = "point" if len(named) == 1 and normal is not None else None
+        return {"point": point, "normal": normal, "contact_set": contact_set}
 
-def _elements_met(problem: Problem, found: Found, time: float, shared: Mapping[str, Any]) -> dict[str, Any]:
-    """What it says of the elements; the place waits longer, many callers never ask."""
-    named = element_pairs(shared["a"], shared["b"], found.pairs)
-    (lowest, _), *rest = named
     return {
-        "element_a": lowest.element_a,
-        "element_b": lowest.element_b,
-        "others": tuple(p for p, _ in rest[:MOST_OTHERS]),
+        "element_a": named[0][0].element_a,
+        "element_b": named[0][0].element_b,
+        "others": tuple(p for p, _ in named[1 : 1 + MOST_OTHERS]),
         "multiplicity": len(named),
-        "_rest": lambda: _place_met(problem, found, time, shared, [pair for _, pair in named]),
+        "_rest": place,
     }
 
 
-def _place_met(
-    problem: Problem, found: Found, time: float, shared: Mapping[str, Any], pairs: list[Pair]
-) -> dict[str, Any]:
+def place_met(
+    problem: Problem, found: Found, time: float, bodies: tuple[Body, Body], pairs: list[Pair]
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """Point and normal of a contact of those pairs, the one that is named first."""
     point, normal = _place(problem, pairs[0], found.instant, time)
-    contact_set = "point" if len(pairs) == 1 and normal is not None else None
     if len(pairs) > 1 and normal is not None and problem.is_exact:
         met = pairs[:MOST_NORMALS]
         normals = _normals_at(problem, point, normal, met[1:], found.instant, time)
-        normal = best_apart(shared["a"], shared["b"], time, met, point, normals)
-    return {"point": point, "normal": normal, "contact_set": contact_set}
+        normal = best_apart(*bodies, time, met, point, normals)
+    return point, normal
 
 
 def _normals_at(

@@ -15,7 +15,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.answers import where_met
+from firstcontact.contact.polyhedra.answers import element_pairs, place_met
 from firstcontact.contact.polyhedra.earliest import Found, Pair, Problem
 from firstcontact.exact.numbers import Undecidable, exact_value
 from firstcontact.motion.moving import Moving
@@ -99,8 +99,9 @@ def piece_of(moving: Moving, b: Polyhedron, last: float) -> Piece:
 def placed(problem: Problem, contacts: Contacts, k: int, moving: Moving, b: Polyhedron) -> Place:
     """What a CONTACT result says of the place of a contact; the problem is that of its motion."""
     found = Found(contacts.instant(k), contacts.pairs(k))
-    told = where_met(problem, found, float(contacts.times[k]), {"a": moving, "b": b})
-    return (told["element_a"], told["element_b"]), told["multiplicity"], told["point"], told["normal"]
+    named = element_pairs(moving, b, found.pairs)
+    place = place_met(problem, found, float(contacts.times[k]), (moving, b), [pair for _, pair in named])
+    return (named[0][0].element_a, named[0][0].element_b), len(named), *place
 
 
 @dataclass(frozen=True)
@@ -180,4 +181,4 @@ def first_of(candidates: Sequence[tuple[float, float, Pair]], exactly: Exactly) 
 
 def is_taken(a: Body, b: Body) -> bool:
     """Whether both are polyhedra at rest in rational poses, so that contacts have exact times."""
-    return all(isinstance(x, Polyhedron) and x._pose is None for x in (a, b))
+    return all(isinstance(x, Polyhedron) and x.irrational_pose is None for x in (a, b))

@@ -153,8 +153,8 @@ def _vertices(body: Polyhedron, kind: np.ndarray, index: np.ndarray) -> np.ndarr
     if kind[0] == FACE:
         corners: np.ndarray = body.triangles[index].T
         return corners
-    points = index - len(body._segments)
-    ends: np.ndarray = np.where(points >= 0, points, body._segments[np.minimum(index, len(body._segments) - 1)].T)
+    points = index - len(body.segments)
+    ends: np.ndarray = np.where(points >= 0, points, body.segments[np.minimum(index, len(body.segments) - 1)].T)
     return ends
 
 

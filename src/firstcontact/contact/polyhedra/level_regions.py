@@ -70,7 +70,7 @@ def _sides(triangles: list[list[int]]) -> list[tuple[int, int]]:
 
 def _holds_all_edges(body: Polyhedron, number: dict[int, int], sides: set[tuple[int, int]]) -> bool:
     """Whether all edges, and sides of triangles, between these vertices are sides of the triangles there."""
-    for i, j in [*body._segments.tolist(), *_sides(body.triangles.tolist())]:
+    for i, j in [*body.segments.tolist(), *_sides(body.triangles.tolist())]:
         if i in number and j in number and not {(number[i], number[j]), (number[j], number[i])} & sides:
             return False
     return True

@@ -28,7 +28,7 @@ def initial_kind(problem: Searched, found: Found) -> str:
         return "touching"
     if any(crossing for _, crossing in found.start):
         return "overlapping"
-    if a._pose is None and b._pose is None:
+    if a.irrational_pose is None and b.irrational_pose is None:
         return "overlapping" if _overlap(a, b) else "touching"
     if any(crossing for _, crossing in pairs_at_start(problem)):
         return "overlapping"

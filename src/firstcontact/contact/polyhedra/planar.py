@@ -77,21 +77,21 @@ def has_walls(body: Polyhedron, normal: Vector) -> bool:
     """
     if not body.solid or len(np.unique(body.triangles)) < len(body.vertices):
         return False
-    if len(np.unique(body._side_edge)) < len(body._segments) or np.any(body._side_edge < 0):
+    if len(np.unique(body.side_edge)) < len(body.segments) or np.any(body.side_edge < 0):
         return False
     d = np.array([to_double(c) for c in normal])
     d /= np.linalg.norm(d)
     x = body.vertices[body.triangles]
     n = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     level = np.linalg.norm(np.cross(n, d), axis=1) <= LEVEL * np.linalg.norm(n, axis=1)
-    sides = body._side_edge
-    count = np.bincount(sides.ravel(), minlength=len(body._segments))
-    within = np.bincount(sides[level].ravel(), minlength=len(body._segments)) == count
+    sides = body.side_edge
+    count = np.bincount(sides.ravel(), minlength=len(body.segments))
+    within = np.bincount(sides[level].ravel(), minlength=len(body.segments)) == count
     sums = np.zeros(len(count))
     for s in range(3):
         rows = level & within[sides[:, s]]
         e = x[rows, (s + 1) % 3] - x[rows, s]
-        ends = body._segments[sides[rows, s]]
+        ends = body.segments[sides[rows, s]]
         e *= np.where(body.triangles[rows, s] == ends[:, 0], 1.0, -1.0)[:, None]
         across = np.cross(e, x[rows, (s + 2) % 3] - x[rows, s]) @ d
         clear = np.abs(across) > LEVEL * np.linalg.norm(e, axis=1) * np.linalg.norm(n[rows], axis=1) ** 0.5

@@ -31,6 +31,7 @@ from firstcontact.work import Query
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
+    from firstcontact.motion.kinds import AnyMotion
 
 MOST_VERTICES = 200
 """Of a body that is looked at, exactly."""
@@ -66,9 +67,9 @@ def in_one_plane(query: Query) -> Query | Apart | None:
     return replace(query, a=_along(base, normal, low - room, high + room, query.a))
 
 
-def _heights(body: Any, normal: Vector) -> list[fmpq]:
+def _heights(body: Body, normal: Vector) -> list[fmpq]:
     """Of its vertices; none of bodies that are not looked at."""
-    if not isinstance(body, Polyhedron) or body._pose is not None or len(body.vertices) > MOST_VERTICES:
+    if not isinstance(body, Polyhedron) or body.irrational_pose is not None or len(body.vertices) > MOST_VERTICES:
         return []
     return [dot(normal, body.exact_vertex(k)) for k in range(len(body.vertices))]
 
@@ -80,7 +81,7 @@ def _normal(query: Query) -> Vector | None:
     return normal if normal is not None and all(is_across(x, normal) for x in motions) else None
 
 
-def _simple(motion: Any) -> list[Any]:
+def _simple(motion: AnyMotion) -> list[Any]:
     if isinstance(motion, Linkage):
         return [drive.motion for drive in motion.drives]
     if isinstance(motion, Product):
@@ -100,7 +101,7 @@ def _base(body: Polyhedron, normal: Vector, heights: list[fmpq]) -> Region | Non
     not below a wall nothing begins or ends between the levels, so a solid is there as it is at both level faces.
     """
     levels = sorted(set(heights))
-    if len(levels) > 2 or len(levels) == 2 and not body.solid or len(body._bare_edges()):
+    if len(levels) > 2 or len(levels) == 2 and not body.solid or len(body.bare_edges()):
         return None
     base, *top = (region_at(body, normal, heights, level) for level in levels)
     return base if None not in top and _walls_are_whole(body, normal, heights) else None

@@ -58,16 +58,16 @@ def triangles_of(body: Polyhedron) -> tuple[RuledSurface, ...]:
 
 def _triangles(body: Polyhedron) -> tuple[RuledSurface, ...]:
     who = body.name or "polyhedron"
-    sides = set(body._side_edge.ravel().tolist())
-    if body._pose is not None:
+    sides = set(body.side_edge.ravel().tolist())
+    if body.irrational_pose is not None:
         raise UnsupportedPair(f"{who} is in an irrational pose; ruled surfaces meet polyhedra in rational ones")
-    if not set(range(len(body._segments))) <= sides or len(np.unique(body.triangles)) < len(body.vertices):
+    if not set(range(len(body.segments))) <= sides or len(np.unique(body.triangles)) < len(body.vertices):
         raise UnsupportedPair(f"{who} has bare edges or points; ruled surfaces meet polyhedra of faces only")
     points = [body.exact_vertex(i) for i in range(len(body.vertices))]
     found = []
     for k, triangle in enumerate(body.triangles.tolist()):
         a, b, c = (points[i] for i in triangle)
-        diagonal = body._side_edge[k] >= len(body.edges)  # of the sides from each corner to the next
+        diagonal = body.side_edge[k] >= len(body.edges)  # of the sides from each corner to the next
         joined = {name for name, inner in zip(("u0", "s1", "u1"), diagonal, strict=True) if inner}
         try:
             piece = RuledSurface(_curve(a, a), _curve(b, c), name=body.name)
@@ -96,7 +96,7 @@ def element_of(body: Polyhedron, triangle: int, kind: str, index: int) -> tuple[
         return "vertex", first
     if kind == "face":
         return "face", int(body.triangle_face[triangle])
-    return "edge", int(body._side_edge[triangle][1 if kind == "directrix" else 2 * index])
+    return "edge", int(body.side_edge[triangle][1 if kind == "directrix" else 2 * index])
 
 
 def parts_of(body: Body) -> list[RuledBody]:

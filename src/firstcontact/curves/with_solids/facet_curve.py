@@ -60,7 +60,7 @@ class Facets:
         self.low, self.high = corners.min(1) - body.error, corners.max(1) + body.error
         self.at: dict[int, list[int]] = defaultdict(list)
         """Triangles by the segment along a side."""
-        for k, sides in enumerate(body._side_edge.tolist()):
+        for k, sides in enumerate(body.side_edge.tolist()):
             for e in sides:
                 self.at[e].append(k)
         self._points: dict[int, Vector] = {}
@@ -75,7 +75,7 @@ class Facets:
             while waiting:
                 k = waiting.pop()
                 group.append(k)
-                beside = {j for e in self.body._side_edge[k].tolist() for j in self.at[e] if j in left}
+                beside = {j for e in self.body.side_edge[k].tolist() for j in self.at[e] if j in left}
                 fresh = {j for j in beside if self._coplanar(j, k)}
                 left -= fresh
                 waiting += sorted(fresh)
@@ -113,13 +113,13 @@ class Facets:
         for k in group:
             corners = self.body.triangles[k].tolist()
             signs = []
-            for e in self.body._side_edge[k].tolist():
+            for e in self.body.side_edge[k].tolist():
                 others = [j for j in self.at[e] if j != k and self._plane(j) is not None]
                 beyond = [j for j in others if not self._coplanar(j, k)]
                 cut = self._plane(beyond[0]) if beyond else self._across(plane, e)
                 assert cut is not None
                 number = surfaces.setdefault(cut, len(surfaces))
-                ends = self.body._segments[e].tolist()
+                ends = self.body.segments[e].tolist()
                 value = cut.value((*self._point(next(i for i in corners if i not in ends)), fmpq(1)))
                 signs.append((number, 1 if value > 0 else -1))
                 if beyond or not others:
@@ -132,7 +132,7 @@ class Facets:
 
     def _across(self, plane: Plane, e: int) -> Plane:
         """The plane through a segment at right angles to that of its facet."""
-        a, b = (self._point(i) for i in self.body._segments[e].tolist())
+        a, b = (self._point(i) for i in self.body.segments[e].tolist())
         n = cross(_way(a, b), plane.normal[:3])
         return Plane(primitive((*n, -dot(n, a))))
 
@@ -145,7 +145,7 @@ def facets(body: Polyhedron) -> Facets:
     who = body.name or "the polyhedron"
     if not len(body.triangles):
         raise UnsupportedPair(f"{who} has no faces; intersection_curve is with faces of polyhedra")
-    if body._pose is not None:
+    if body.irrational_pose is not None:
         raise UnsupportedPair(f"{who} is in an irrational pose, in which intersection_curve does not take polyhedra")
     known = _FACETS.of(body, dict)
     if body.name not in known:

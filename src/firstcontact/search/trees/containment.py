@@ -7,15 +7,17 @@ the ray passes through no edge and no vertex; floats decide the triangles it cer
 from __future__ import annotations
 
 import weakref
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.topology import component_of_vertices
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision, sign, to_double
-from firstcontact.exact.rigid import apply, inverse_map
+from firstcontact.exact.rigid import IDENTITY, Matrix, apply, inverse_map
 from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.selection import select
@@ -29,10 +31,15 @@ if TYPE_CHECKING:
     from firstcontact.body.polyhedron.polyhedron import Polyhedron
     from firstcontact.exact.rigid import Matrix
 
+T = TypeVar("T")
 At = TypeVar("At")
 At_contra = TypeVar("At_contra", contravariant=True)
 # Boxes of components that are looked at one by one.
 _LEAF = 4
+_LABELS = Kept[np.ndarray]()
+_COMPONENTS = Kept[list[int]]()
+_BOXES = Kept[np.ndarray]()
+_CONTAINED = Kept["tuple[weakref.ref[Polyhedron], tuple[str, int] | None]"]()
 
 
 @uncounted
@@ -189,23 +196,21 @@ def _shifted_side(q: Vector, r: Vector) -> int:
 
 def component_labels(body: Polyhedron) -> np.ndarray:
     """(n,) for every vertex the smallest vertex of its component."""
-    cached = body._search.get("labels")
-    if cached is None:
-        cached = body._search["labels"] = component_of_vertices(body._segments, len(body.vertices))
-    return cached
+    return _LABELS.of(body, lambda: component_of_vertices(body.segments, len(body.vertices)))
 
 
 def component_vertices(body: Polyhedron) -> list[int]:
     """One vertex of every connected component of the body."""
-    cached = body._search.get("components")
-    if cached is None:
+    def found() -> list[int]:
         used = np.zeros(len(body.vertices), bool)
         used[body.triangles.ravel()] = True
-        used[body._segments.ravel()] = True
+        used[body.segments.ravel()] = True
         if not used.any():
             used[:] = True
-        cached = body._search["components"] = np.unique(component_labels(body)[used]).tolist()
-    return cached
+        vertices: list[int] = np.unique(component_labels(body)[used]).tolist()
+        return vertices
+
+    return _COMPONENTS.of(body, found)
 
 
 def contained(a: Polyhedron, b: Polyhedron) -> tuple[str, int] | None:
@@ -214,9 +219,9 @@ def contained(a: Polyhedron, b: Polyhedron) -> tuple[str, int] | None:
     The surfaces share no point.  The answer is kept for the next motion of the same two bodies.
     Raises Undecidable.
     """
-    known = a._search.get("contained")
+    known = _CONTAINED.get(a)
     if known is None or known[0]() is not b:
-        known = a._search["contained"] = weakref.ref(b), _find_contained(a, b)
+        known = _CONTAINED.put(a, (weakref.ref(b), _find_contained(a, b)))
     return known[1]
 
 
@@ -232,15 +237,14 @@ def _find_contained(a: Polyhedron, b: Polyhedron) -> tuple[str, int] | None:
             return None
         vertices, fits = component_vertices(inner), _fit_into(component_boxes(inner), component_boxes(outer), pad)
         for v in (vertices[k] for k in np.flatnonzero(fits)):
-            if decide(lambda v=v: contains(outer, tree, inner.exact_vertex(v))):  # noqa: B023
+            if decide(partial(_holds, outer, tree, inner, v)):
                 return side, v
     return None
 
 
 def component_boxes(body: Polyhedron) -> np.ndarray:
     """(k, 6) the box of each of `component_vertices`."""
-    cached = body._search.get("component boxes")
-    if cached is None:
+    def found() -> np.ndarray:
         labels, first = component_labels(body), np.array(component_vertices(body))
         order = np.argsort(labels, kind="stable")
         starts = np.searchsorted(labels[order], first)
@@ -250,8 +254,9 @@ def component_boxes(body: Polyhedron) -> np.ndarray:
         cuts = np.stack([starts, ends], axis=1).ravel()
         padded = np.concatenate([places, places[-1:]])  # a cut may be the end
         low, high = (f.reduceat(padded, cuts, axis=0)[::2] for f in (np.minimum, np.maximum))
-        cached = body._search["component boxes"] = np.concatenate([low, high], axis=1)
-    return cached
+        return np.concatenate([low, high], axis=1)
+
+    return _BOXES.of(body, found)
 
 
 @kernel
@@ -336,12 +341,18 @@ def contained_at(problem: Posed[At], left: At, right: At) -> bool:
             continue
         tree = tree_of(outer)
         for v in component_vertices(inner):
-            if decide(lambda v=v: contains(outer, tree, apply(to_outer, inner.exact_vertex(v)))):  # noqa: B023
+            if decide(partial(_holds, outer, tree, inner, v, to_outer)):
                 return True
     return False
 
 
-def decide(question: Any) -> Any:
+def _holds(outer: Polyhedron, tree: Tree, inner: Polyhedron, vertex: int, to_outer: Matrix = IDENTITY) -> bool:
+    """Whether the vertex of the inner body, in the pose given, is in the outer one; at the present precision."""
+    place = inner.exact_vertex(vertex)
+    return contains(outer, tree, place if to_outer is IDENTITY else apply(to_outer, place))
+
+
+def decide(question: Callable[[], T]) -> T:
     """The answer at the first precision that decides it; Undecidable behind the last."""
     for bits in PRECISIONS:
         with precision(bits):

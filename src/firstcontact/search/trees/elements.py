@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import fmpq, fmpz
 
@@ -34,6 +34,7 @@ SPARE = 32
 
 # An element inside the search: (kind, index) with index a vertex, a segment or a triangle.
 Feature = tuple[int, int]
+Scale: TypeAlias = "int | fmpz"
 
 
 def feature(tree: Tree, kind: int, part: int, local: int) -> Feature:
@@ -52,9 +53,9 @@ def vertices_of(body: Polyhedron, element: Feature) -> list[int]:
     if kind == VERTEX:
         return [index]
     if kind == EDGE:
-        if index >= len(body._segments):
-            return [index - len(body._segments)] * 2
-        return body._segments[index].tolist()
+        if index >= len(body.segments):
+            return [index - len(body.segments)] * 2
+        return body.segments[index].tolist()
     return body.triangles[index].tolist()
 
 
@@ -73,7 +74,7 @@ class WholeCorners:
 
     def __init__(self, a: Polyhedron, b: Polyhedron, vector: Vector, number: type = fmpz) -> None:
         self.bodies, self.number = (a, b), number
-        self._are_balls = a._pose is not None or b._pose is not None
+        self._are_balls = a.irrational_pose is not None or b.irrational_pose is not None
         self._per, (self._vector,) = whole(vector)
         self._scaled_by(self._per)
 
@@ -82,7 +83,7 @@ class WholeCorners:
         self._common = self._as_numbers(scaled(scale // self._per, self._vector))
         self._places: tuple[dict[int, Vector], dict[int, Vector]] = {}, {}
 
-    def of(self, element_a: Feature, element_b: Feature) -> tuple[Any, list[Vector], list[Vector], Vector]:
+    def of(self, element_a: Feature, element_b: Feature) -> tuple[Scale, list[Vector], list[Vector], Vector]:
         """(scale > 0, scale times the corners of the first element, of the second, scale times the vector)."""
         a, b = self.bodies
         if self._are_balls:
@@ -114,7 +115,7 @@ class WholeCorners:
             found = self._places[side][vertex] = self._as_numbers(place)
         return found
 
-    def _alone(self, x: list[Vector], y: list[Vector]) -> tuple[Any, list[Vector], list[Vector], Vector]:
+    def _alone(self, x: list[Vector], y: list[Vector]) -> tuple[Scale, list[Vector], list[Vector], Vector]:
         scale, points = whole(*x, *y, per=self._per)
         numbers = [self._as_numbers(p) for p in points]
         vector = self._as_numbers(scaled(scale // self._per, self._vector))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import LEAST
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.lifted.boxes import CLIP_EPS, clip_to_box
@@ -58,6 +59,14 @@ def frame_of(axis: tuple[float, float, float]) -> Frame:
 # A direction counts as natural to a body when faces across it make up this share of the area.
 NATURAL_SHARE = 0.1
 _SAMPLE = 4096
+_NATURAL = Kept[tuple[float, Frame | None]]()
+_TREE = Kept[Tree]()
+_VIEW = Kept[tuple[Frame, Tree]]()
+_STRUCTURE = Kept[tuple[Frame | None, Tree]]()
+_NATURAL = Kept[tuple[float, Frame | None]]()
+_TREE = Kept[Tree]()
+_VIEW = Kept[tuple[Frame, Tree]]()
+_STRUCTURE = Kept[tuple[Frame | None, Tree]]()
 
 
 def shared_frame(a: Polyhedron, b: Polyhedron) -> Frame | None:
@@ -71,10 +80,7 @@ def natural_frame(body: Polyhedron) -> tuple[float, Frame | None]:
 
     Boxes along the faces of a body are flat; in another frame they are fat.  Looks at some thousand triangles.
     """
-    known = body._search.get("natural")
-    if known is None:
-        known = body._search["natural"] = _find_natural_frame(body)
-    return known
+    return _NATURAL.of(body, lambda: _find_natural_frame(body))
 
 
 def _find_natural_frame(body: Polyhedron) -> tuple[float, Frame | None]:
@@ -144,11 +150,11 @@ def _main_direction(units: np.ndarray, areas: np.ndarray) -> tuple[float, np.nda
 
 def tree_of(body: Polyhedron) -> Tree:
     """The tree in the world's axes, its parts the doubles of the body; made on first use and kept on the body."""
-    tree = body._search.get("tree")
-    if tree is None:
+    def made() -> Tree:
         frame, built = _structure(body)
-        tree = body._search["tree"] = built if frame is None else _refit_tree(body, _WORLD)
-    return tree
+        return built if frame is None else _refit_tree(body, _WORLD)
+
+    return _TREE.of(body, made)
 
 
 def view_in(body: Polyhedron, frame: Frame) -> Tree:
@@ -158,22 +164,22 @@ def view_in(body: Polyhedron, frame: Frame) -> Tree:
     natural, built = _structure(body)
     if frame == natural:
         return built
-    cached = body._search.get("view")
+    cached = _VIEW.get(body)
     if cached is None or cached[0] != frame:
-        cached = body._search["view"] = frame, _refit_tree(body, frame)
+        cached = _VIEW.put(body, (frame, _refit_tree(body, frame)))
     return cached[1]
 
 
 def _structure(body: Polyhedron) -> tuple[Frame | None, Tree]:
     """The tree as it is built, in the body's natural frame (None: the world's axes): all views share its links."""
-    built = body._search.get("structure")
-    if built is None:
+    def made() -> tuple[Frame | None, Tree]:
         frame = natural_frame(body)[1]
         vertices, error = body.vertices, body.error
         if frame is not None:
             vertices, error = vertices @ np.array(frame).T, _framed_error(body, frame)
-        built = body._search["structure"] = frame, build(body, np.ascontiguousarray(vertices), error)
-    return built
+        return frame, build(body, np.ascontiguousarray(vertices), error)
+
+    return _STRUCTURE.of(body, made)
 
 
 def _framed_error(body: Polyhedron, frame: Frame) -> float:

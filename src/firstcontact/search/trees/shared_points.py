@@ -15,6 +15,7 @@ import numpy as np
 from flint import fmpz
 
 from firstcontact import work
+from firstcontact.body.kept import Kept
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.vectors import Vector
 from firstcontact.kernels.jit import kernel
@@ -45,6 +46,7 @@ _DONE, _FULL, _SLICE_SPENT = range(3)
 _STACK, _FOUND, _VISITS = range(3)
 _LEAF_ROOM = 64
 _SLICE = 1_000_000
+_ODD_DENOMINATOR = Kept[fmpz]()
 # What a pair takes among those found.
 PAIR_BYTES = 300
 
@@ -90,14 +92,14 @@ class Resting:
         """Of each body the sides of triangles, 3 * triangle + side, in the order of their segments; and whose begin."""
         found = []
         for body in self.bodies:
-            sides = body._side_edge.ravel()
+            sides = body.side_edge.ravel()
             order = np.argsort(sides, kind="stable")
-            found.append((order, np.searchsorted(sides[order], np.arange(len(body._segments) + 1))))
+            found.append((order, np.searchsorted(sides[order], np.arange(len(body.segments) + 1))))
         return found[0], found[1]
 
     def is_bare(self, side: int, segment: int) -> bool:
         """Whether a segment bounds no facet; one that stands for a point is none."""
-        return segment < len(self.bodies[side]._segments) and not self.facets_around(side, segment)
+        return segment < len(self.bodies[side].segments) and not self.facets_around(side, segment)
 
     def facets_around(self, side: int, segment: int) -> list[int]:
         """The triangles of a body (0: a) that have the segment for a side."""
@@ -110,7 +112,7 @@ def _in_parts(a: Polyhedron, b: Polyhedron) -> tuple[fmpz, np.ndarray, np.ndarra
     vertices = np.concatenate([a.vertices, b.vertices, np.zeros((1, 3))])
     if a.error == b.error == 0.0:
         return (fmpz(1), vertices, np.zeros_like(vertices), 0.0) if are_in_range(vertices) else None
-    if a._pose is not None or b._pose is not None:
+    if a.irrational_pose is not None or b.irrational_pose is not None:
         return None
     scale = _odd_denominator(a).lcm(_odd_denominator(b))
     high: np.ndarray = np.zeros(vertices.shape)
@@ -130,14 +132,14 @@ def _in_parts(a: Polyhedron, b: Polyhedron) -> tuple[fmpz, np.ndarray, np.ndarra
 
 def _odd_denominator(body: Polyhedron) -> fmpz:
     """The least odd number by which all coordinates have to be multiplied to have a power of two below."""
-    odd: fmpz | None = body._search.get("odd denominator")
-    if odd is None:
+    def found() -> fmpz:
         odd = fmpz(1)
         for i in range(len(body.vertices)) if body.error else ():
             for q in (int(x.q) for x in body.exact_vertex(i)):
                 odd = odd.lcm(q // (q & -q))
-        body._search["odd denominator"] = odd
-    return odd
+        return odd
+
+    return _ODD_DENOMINATOR.of(body, found)
 
 
 # -- one pair of elements -------------------------------------------------------------------------------------
@@ -277,7 +279,7 @@ def _decided(
         return None if how == CROSSING else []
     edge, triangle = (x, y[1]) if kind == PIERCING else (y, x[1])
     met = [
-        (EDGE, segment) for s, segment in enumerate(other._side_edge[triangle].tolist())
+        (EDGE, segment) for s, segment in enumerate(other.side_edge[triangle].tolist())
         if segment >= 0 and segments_cross(p, q, facet[s], facet[(s + 1) % 3])
     ]  # fmt: skip
     if resting.is_bare(0 if kind == PIERCING else 1, edge[1]):
@@ -309,7 +311,7 @@ def _search(resting: Resting) -> Iterator[np.ndarray]:
 
 def _flat(body: Polyhedron, tree: Tree) -> np.ndarray:
     """(segments,) whether contacts on the segment are contacts of the facets beside it."""
-    flat = np.zeros(len(body._segments) + len(body.vertices), bool)
+    flat = np.zeros(len(body.segments) + len(body.vertices), bool)
     for s in range(3):
         flat[tree.sides[tree.ids[(tree.ids[:, 1] >> (FLAT_SIDE + s)) & 1 == 1, 0], s]] = True
     return flat

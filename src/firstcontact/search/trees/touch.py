@@ -20,7 +20,7 @@ from firstcontact.exact.times.turning import Axis
 from firstcontact.exact.vectors import Vector, add, along, cross, dot, scaled, sub
 from firstcontact.pairs.elements import line_line
 from firstcontact.pairs.elements.point_line_rotation import Place
-from firstcontact.search.trees.elements import VERTEX, Feature
+from firstcontact.search.trees.elements import VERTEX, Feature, Scale
 
 if TYPE_CHECKING:
     from firstcontact.exact.ring import Scalar
@@ -39,7 +39,7 @@ def translation_touch(
     element_b: Feature,
     b: list[Vector],
     v: Vector,
-    scale: fmpz,
+    scale: Scale,
     at: RationalInstant,
 ) -> Touch:
     """(point, unit normal from b towards a or None); `scale` times the exact corners at time 0 and the velocity."""

@@ -67,8 +67,8 @@ def build(body: Polyhedron, vertices: np.ndarray, error: float) -> Tree:
 
 def _primitives(body: Polyhedron) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Triangles, then segments on no triangle, then vertices on neither; with the kind bits of each."""
-    triangles, side_edge, segments = body.triangles, body._side_edge, body._segments
-    bare = body._bare_edges().astype(np.int32)
+    triangles, side_edge, segments = body.triangles, body.side_edge, body.segments
+    bare = body.bare_edges().astype(np.int32)
     lonely = np.ones(len(body.vertices), bool)
     lonely[triangles.ravel()] = False
     lonely[segments[bare].ravel()] = False
@@ -96,9 +96,9 @@ def _masks(body: Polyhedron, corners: np.ndarray, sides: np.ndarray, kind: np.nd
 
     Those of the body as it was given, where they are doubles or fractions: a map keeps planes, and sides of lines.
     """
-    axes, is_exact = _axes_kept(body), body._fractions is None
+    axes, is_exact = _axes_kept(body), body.fractions is None
     masks, doubtful = _owners(
-        corners, sides, kind, body._base, axes, is_exact, len(body._segments), body._given_edges
+        corners, sides, kind, body.base, axes, is_exact, len(body.segments), body.given_edges
     )
     for p, s, other in doubtful.tolist():
         if _exactly_coplanar(body, corners, axes, p, s, other):
@@ -108,7 +108,7 @@ def _masks(body: Polyhedron, corners: np.ndarray, sides: np.ndarray, kind: np.nd
 
 def _axes_kept(body: Polyhedron) -> np.ndarray:
     """(3,) bools: which axes of the body as it was given a coordinate axis of its pose depends on alone."""
-    matrix = body._matrix if body._pose is None else compose(body._pose.matrix(), body._matrix)
+    matrix = body.matrix if body.irrational_pose is None else compose(body.irrational_pose.matrix(), body.matrix)
     axes = np.zeros(3, bool)
     for row in matrix:
         used = [k for k in range(3) if not row[k] == 0]  # an entry that is a ball is zero only where that is certain
@@ -213,7 +213,7 @@ def _exactly_coplanar(body: Polyhedron, corners: np.ndarray, axes: np.ndarray, p
 
 def _given(body: Polyhedron, i: int) -> tuple[Fraction, ...]:
     """Vertex i of the body as it was given."""
-    return tuple(map(Fraction, body._base[i].tolist())) if body._fractions is None else body._fractions[i]
+    return tuple(map(Fraction, body.base[i].tolist())) if body.fractions is None else body.fractions[i]
 
 
 @kernel

@@ -50,7 +50,7 @@ class CurvedProblem(ByTrees, Generic[At]):
 
     def __init__(self, a: Polyhedron, b: Polyhedron, piece: CurvedPiece) -> None:
         self.a, self.b, self.piece = a, b, piece
-        self.is_exact = a._pose is None and b._pose is None
+        self.is_exact = a.irrational_pose is None and b.irrational_pose is None
         self.tree_a, self.tree_b = tree_of(a), tree_of(b)
         self.boxes_a, self.boxes_b = self.tree_a.boxes, self.tree_b.boxes
         self.error_a, self.error_b = self.tree_a.error, self.tree_b.error

@@ -618,7 +618,7 @@ def _beside(body: Polyhedron, element: Feature) -> list[Primitive]:
     corners = vertices_of(body, element)
     primitives = [t for t in body.triangles.tolist() if not set(corners).isdisjoint(t)]
     if not primitives:
-        primitives = [s for s in body._segments.tolist() if not set(corners).isdisjoint(s)] or [corners]
+        primitives = [s for s in body.segments.tolist() if not set(corners).isdisjoint(s)] or [corners]
     return [Primitive.of([body.exact_vertex(i) for i in p]) for p in primitives]
 
 
@@ -648,8 +648,8 @@ def corners_as_doubles(body: Polyhedron, element: Feature) -> np.ndarray:
     if kind == FACE:
         rows = body.triangles[index]
     elif kind == EDGE:
-        n = len(body._segments)
-        rows = body._segments[index][[0, 1, 1]] if index < n else np.full(3, index - n)
+        n = len(body.segments)
+        rows = body.segments[index][[0, 1, 1]] if index < n else np.full(3, index - n)
     else:
         rows = np.full(3, index)
     return np.ascontiguousarray(body.vertices[rows], np.float64).reshape(9)

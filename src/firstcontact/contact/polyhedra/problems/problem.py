@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.earliest import Problem, Searched
 from firstcontact.contact.polyhedra.problems.translation_problem import TranslationProblem
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from firstcontact.contact.polyhedra.problems.rotation_problem import RotationProblem
 
 Body = Polyhedron | Moving
+
+_BALL = Kept[Ball]()
 
 
 def problem_of(a: Body, b: Body, piece: Piece | CurvedPiece, engine: str = "boxes", threads: int = 1) -> Problem:
@@ -108,10 +111,7 @@ def far_apart(a: Body, b: Body, piece: CurvedPiece) -> bool:
 
 def _ball_of(body: Polyhedron) -> Ball:
     """Kept on the body."""
-    ball: Ball | None = body._search.get("ball")
-    if ball is None:
-        ball = body._search["ball"] = Ball.of(*body.bounds())
-    return ball
+    return _BALL.of(body, lambda: Ball.of(*body.bounds()))
 
 
 def _simple_problems(a: Body, b: Body, problem: Any, with_start: bool) -> Iterator[tuple[Searched, bool]]:

@@ -52,7 +52,7 @@ from firstcontact.result import ExactAngle
 from firstcontact.search.trees import rotate  # noqa: F401 - the walk under this motion
 from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.cylinder import COLUMNS
-from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, WholeCorners, corners_of
+from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, Scale, WholeCorners, corners_of
 from firstcontact.search.trees.frame import frame_of, view_in
 from firstcontact.search.trees.touch import Touch, place_doubles, rotation_normal
 from firstcontact.search.trees.tree import Tree
@@ -87,7 +87,7 @@ class RotationProblem(ByEngine):
     def __init__(self, a: Polyhedron, b: Polyhedron, piece: Piece) -> None:
         assert piece.axis is not None and piece.point is not None
         self.a, self.b, self.piece = a, b, piece
-        self.is_exact = a._pose is None and b._pose is None
+        self.is_exact = a.irrational_pose is None and b.irrational_pose is None
         self._contacts: dict[tuple[Feature, Feature], list[Contact]] = {}
         self.backward = _sign_of_angle(piece.rate) < 0
         sense = -1 if self.backward else 1
@@ -514,7 +514,7 @@ def _ranges(body: Polyhedron, tree_a: Tree, tree_b: Tree, key: tuple[object, Seq
 
 def _about_origin(
     corners: WholeCorners, element_a: Feature, element_b: Feature
-) -> tuple[Any, list[Vector], list[Vector]]:
+) -> tuple[Scale, list[Vector], list[Vector]]:
     """(scale, scale times the exact corners about the axis' point)."""
     scale, a, b, o = corners.of(element_a, element_b)
     return (scale, [sub(p, o) for p in a], [sub(p, o) for p in b]) if any(o) else (scale, a, b)

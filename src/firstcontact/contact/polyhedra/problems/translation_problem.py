@@ -51,7 +51,7 @@ class TranslationProblem(ByEngine):
         if self.pace is not None:
             self.v = scaled(1 / self.pace, self.v)
             self._doubles = [to_double(x) for x in self.v]
-        self.is_exact = a._pose is None and b._pose is None
+        self.is_exact = a.irrational_pose is None and b.irrational_pose is None
         self._whole, self._ints = (WholeCorners(a, b, self.v, number) for number in (fmpz, int))
         self.last = None if piece.end is None else piece.end - piece.start
         if self.last is not None and self.pace is not None:
