@@ -287,18 +287,19 @@ class _Builder:
 
         plain = forward(self.solid.faces[number])
         curves = [BRep_Tool.CurveOnSurface_s(TopoDS.Edge(x), plain, 0.0, 0.0) for x in (use.edge, use.edge.Reversed())]
-        known = [curve for curve in curves if curve is not None]
-        curve = min(known, key=lambda x: float(off_by(x).sum()), default=None)  # a seam has one on either side
-        if curve is None:
+        # a seam has one on either side
+        known = [(float((off := off_by(x)).sum()), k, x, off) for k, x in enumerate(curves) if x is not None]
+        if not known:
             raise InputError(f"{self.solid.who}: {who} has no curve on {self.solid.named('face', number)}; mend the "
                              "face and export it again")  # fmt: skip
+        *_, curve, off = min(known)
         try:
             bends = Curve(curve, times[0], times[-1])
         except NotBounded as reason:
             raise NotBounded(f"{who} is a curve of kind {reason}, whose chords have no proved bound") from reason
         for i, j, t0, t1 in zip(local, local[1:], times, times[1:], strict=False):
             face.borders[min(i, j), max(i, j)] = _Border(use.number, curve, bends, t0, t1, i)
-        face.apart = max(face.apart, self._length(face, off_by(curve)))
+        face.apart = max(face.apart, self._length(face, off))
         face.off = max(face.off, BRep_Tool.Tolerance_s(use.edge))
 
     def _beside(self, face: _Face, border: _Border) -> float:

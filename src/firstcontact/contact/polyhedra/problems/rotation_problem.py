@@ -354,7 +354,7 @@ class RotationProblem(ByEngine):
 
     def start_relation(self, element_a: Feature, element_b: Feature) -> int:
         """How an edge and a facet relate at the start (`segment_facet.relation`); exact."""
-        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        _, corners_a, corners_b, _ = self._ints.of(element_a, element_b)
         segment, facet = (corners_a, corners_b) if element_a[0] == EDGE else (corners_b, corners_a)
         return segment_facet.relation(*segment, *facet)
 
