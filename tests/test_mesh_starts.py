@@ -239,3 +239,17 @@ def test_bare_points_too_small_for_doubles():
         points = fc.Polyhedron([tuple(c * u for c in place)] * 2, [])
         for a, b in ((box, points), (points, box)):
             assert fc.first_contact(a.moving(fc.Translation((0, 0, 10 * u))), b).initial == known
+
+
+@pytest.mark.parametrize("method", ["auto", "certified", "algebraic"])
+@pytest.mark.parametrize("away", [(0, 0, 0), (-3, -3, 3), (5, 0, -1)])
+def test_a_corner_on_a_disc_about_a_tip(away, method):
+    """The corner is the middle of the cone's base, the bodies are on the two sides of its plane: they touch there.
+
+    Right there the function of the cone has no gradient, which ended in an error where the origin is elsewhere.
+    """
+    corners = [(-1, 0, 1), (0, 0, 0), (-1, 1, 0), (-1, -1, -1)]
+    wedge = fc.Polyhedron(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]).translated(away)
+    cone = fc.cone(1, 2).rotated((0, 1, 0), degrees=90).translated(away)
+    found = fc.first_contact(wedge.moving(fc.Translation((1, 0, 0))), cone, method=method)
+    assert found.status is INITIAL and found.initial == "touching" and found.point.tolist() == list(away)

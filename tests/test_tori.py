@@ -375,6 +375,33 @@ def test_halved_nets_stay_as_near_their_surface_as_is_said():
     assert 0.0 < worst <= nets.off < 1e-12
 
 
+@pytest.mark.parametrize(
+    "start, way", [((-1, 4, -1), (6, -12, 6)), ((0, 5, 0), (0, -10, 0)), ((0, 5, 2), (0, -10, -2))]
+)
+@pytest.mark.parametrize("swap", [False, True])
+def test_a_trimmed_disc_beside_a_torus(start, way, swap):
+    """A level disc meets a level section of the torus, a ring or a full disc; nothing of it was left at some cells."""
+    disc = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", trim=["u**2 + (2*s - 1)**2 <= 1"], u=(-1, 1)).translated(start)
+    pair = disc.moving(fc.Translation(way)), fc.torus(2, 1)
+    found = fc.first_contact(*(pair[::-1] if swap else pair))
+    t = np.linspace(0.0, 1.0, 200_001)
+    x, y, z = (p + t * v for p, v in zip(start, way, strict=True))
+    wide, far = np.sqrt(np.maximum(1.0 - z * z, 0.0)), np.hypot(x, y)
+    met = t[(np.abs(z) <= 1.0) & (far - 1.0 <= 2.0 + wide) & (far + 1.0 >= 2.0 - wide)][0]
+    assert found.status in (fc.Status.CONTACT, fc.Status.UNDECIDED) and met - 1e-2 < found.free_until <= met
+    assert found.status is not fc.Status.CONTACT or met - 1e-5 < found.time <= met + 1e-9
+
+
+def test_a_trimmed_surface_in_a_torus_at_the_start():
+    """Without a corner that its inequalities leave."""
+    bent = fc.RuledSurface(
+        "(1 - 2*u, 2 + 2*u + u**2, 0)", "(3 + u + 2*u**2, 1 + 3*u - u**2, -1 + u + 2*u**2)",
+        u=(-1, 1), trim=["u**2 + s**2 <= 1"],
+    )  # fmt: skip
+    found = fc.first_contact(bent.moving(fc.Translation((0, -7, 0))), fc.torus(2, 1))
+    assert found.status is fc.Status.INITIAL_CONTACT and gap(found.point[None], 2, 1)[0] <= 1e-9
+
+
 def halved(points, upper):
     """The control points of the lower or upper half."""
     kept = []

@@ -58,6 +58,8 @@ def kept(
     the time is too long for that, they are not.
     """
     left: list[np.ndarray] = []
+    if not len(rows):
+        return rows
     with np.errstate(all="ignore"):  # bounds may be infinite; what is no number proves nothing
         behind = _behind(cells, between, heights, stretch)
         for k in range(rounds + 1):
@@ -72,6 +74,8 @@ def kept(
             if not len(rows) or len(rows) > most or k == rounds:
                 break
             rows = cells.halves(rows)
+            if not len(rows):  # inequalities of the surface have cut off all
+                break
     return np.concatenate([*left, rows])
 
 

@@ -51,6 +51,8 @@ class Nets(Cells):
         """The corners of sheets: those that inequalities leave."""
         rows = self.all()
         rows = rows[[not self.sheets[int(row[0])].cuts for row in rows]]
+        if not len(rows):
+            return np.empty((0, 3))
         ends = self.points(rows).reshape(len(rows), 2, self.order, 3)[:, :, [0, -1]]
         return ends.reshape(-1, 3)
 

@@ -294,13 +294,17 @@ class Separation:
                 return None
 
     def least(self, guess: State) -> State | None:
-        """The least at the time of the guess, to about BITS bits, with the functions active that are so there."""
+        """The least at the time of the guess, to about BITS bits, with the functions active that are so there; None
+        where it is not found, or at the vertex of a cone."""
         state: State | None = guess
         for _ in range(CHANGES):
             state = self.solve(state, STATIC)  # type: ignore[arg-type]
             if state is None:
                 return None
-            changed = self._revised(state)
+            try:
+                changed = self._revised(state)
+            except Unclear:
+                return None
             if changed is None:
                 return state
             state = changed
