@@ -19,7 +19,7 @@ from firstcontact.body.solid import primitives
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.contact.models.flat_contacts import Pair, Shared, shared_set
 from firstcontact.contact.models.kept_directions import turning_axes
-from firstcontact.contact.models.same_point import may_touch_more, pairs_at
+from firstcontact.contact.models.same_point import may_touch_more, near_surfaces, pairs_at
 from firstcontact.contact.models.touched import Flat, Flats, Point, group, is_parallel, lowest, ranked, with_neighbours
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation
@@ -207,9 +207,14 @@ def _flat_set(
         return None
     a, b = on
     also = None
-    if found.complete and found.also is not None:
+    if found.also is not None and (found.complete or all(map(_is_complete, on))):
         also = [(group(a.body, x).surfaces, group(b.body, y).surfaces) for x, y in found.also]
     return shared_set((a.known.model, b.known.model), (a.pose, b.pose), flats, point, axes, also)
+
+
+def _is_complete(on: _On) -> bool:
+    """Whether no surface passes through the point but those of the features."""
+    return on.known.surfaces.issuperset(near_surfaces(on.known.model, on.where))
 
 
 def _named(on: tuple[_On, _On], pairs: list[Pair]) -> Named:

@@ -24,6 +24,7 @@ from firstcontact.kernels.convex.advancement import (
     SPENT,
     advance_pieces,
 )
+from firstcontact.kernels.convex.along import inner_point, place_of_touch
 from firstcontact.kernels.convex.support import FORMS
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import (
@@ -37,11 +38,13 @@ from firstcontact.kernels.workspace import (
     MODE,
     NEWTON,
     NORMAL,
+    PART,
     POINT,
     POSE_A,
     RESULTS,
     STEPS,
     TIME,
+    UNKNOWN,
     VERTEX,
     workspace,
 )
@@ -50,6 +53,7 @@ from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.search.convex.close_up import CloseUp, Passage
+from firstcontact.search.convex.common_point import Meeting
 from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
 from firstcontact.search.convex.separation import NoFunction
 
@@ -62,6 +66,8 @@ IN_RESULTS, FRAMES = int(RESULTS), slice(int(POSE_A), int(POSE_A) + 6)
 Feature = tuple[str, int]
 NEAR = 1e-9
 """Of the size of its coordinates: points nearer to each other than that are one."""
+SOON = (2.0**-6, 2.0**-3, 1.0)
+"""Of the width of the answer: how long after a touch its place is looked at."""
 MOST_LOOKS = 12
 """Times at which one pair of pieces is followed in balls."""
 
@@ -234,6 +240,8 @@ class PieceSearch:
             if reached >= window.last:
                 return outcome, None
             looks += 1
+            if looks == 1 and self._lands(window, i, j, reached):
+                return CONTACT, None
             close = close or self._close_up(window, i, j)
             if close is None:
                 return outcome, None
@@ -319,15 +327,55 @@ class PieceSearch:
             self.workspace[FRAMES].tolist(), **self._work(),
         )  # fmt: skip
 
+    def _lands(self, window: Window, i: int, j: int, reached: float) -> bool:
+        """Whether pieces that are free until `reached` are proved to share a point soon after: results as of CONTACT.
+
+        The place is found in doubles and judged exactly: where forms are large beside what they tell apart, doubles
+        never see it inside.
+        """
+        a, b, w, c = self.a.array, self.b.array, self.workspace, self.counters
+        rate = 0.0 if self.motions is None else place_of_touch(
+            a, i, window.a, b, j, window.b, window.first, window.last, reached, self.width, w, c
+        )  # fmt: skip
+        latest = min(window.inner, reached + 0.98 * self.width)
+        if not rate or latest < reached:
+            return False
+        meeting = Meeting(self._motion(window), self.a.solids[int(c[PART])], self.b.solids[int(c[PART + 1])])
+        time = min(max(float(self.results[TIME]), reached), latest)
+        _, *point = inner_point(a, window.a, b, window.b, time, w, c)
+        time = min(max(time + meeting.correction(time, point, self._active(), rate), reached), latest)
+        for share in SOON:
+            at = min(time + share * self.width, latest)
+            regular, *point = inner_point(a, window.a, b, window.b, at, w, c)
+            if regular and meeting.is_at(at, point):
+                self.results[TIME], self.results[LO], self.results[HI] = time, reached, at
+                inner_point(a, window.a, b, window.b, time, w, c)  # for the frames then
+                return True
+        return False
+
+    def _active(self) -> list[tuple[int, int, float, list[float]]]:
+        """Of the active forms (side, number in their piece, multiplier, row)."""
+        c, found = self.counters.tolist(), []
+        for k in range(c[COUNT] + c[COUNT + 1]):
+            side = 0 if k < c[COUNT] else 1
+            pieces, row = (self.a, self.b)[side], c[ACTIVE + k]
+            first = int(pieces.array[c[PART + side], FORMS])
+            found.append((side, row - first, float(self.workspace[UNKNOWN, 4 + k]), pieces.array[row, :10].tolist()))
+        return found
+
+    def _motion(self, window: Window) -> CurvedPiece:
+        """The step of the motion in a window, exact."""
+        assert self.motions is not None
+        middle = (_exact(window.first) + _exact(window.last)) / 2
+        # one holds it, but for the window's rounding
+        return min(self.motions(), key=lambda m: max(m.start - middle, middle - m.end))
+
     def _close_up(self, window: Window, i: int, j: int) -> CloseUp | None:
         """None where balls do not follow these pieces: the union of all has no forms of its own."""
         if self.motions is None or i >= len(self.a.solids) or j >= len(self.b.solids):
             return None
-        middle = (_exact(window.first) + _exact(window.last)) / 2
-        # one holds it, but for the window's rounding
-        motion = min(self.motions(), key=lambda m: max(m.start - middle, middle - m.end))
         try:
-            return CloseUp(motion, self.a, i, self.b, j)
+            return CloseUp(self._motion(window), self.a, i, self.b, j)
         except NoFunction:
             return None
 

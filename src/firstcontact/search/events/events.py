@@ -82,6 +82,9 @@ def first_event(
 
     budget: strides, boxes and pairs of features at most.  apart: they are known to share no point at `first`.
     """
+    covers = advance(a, b, first, last, tolerance, min(STRIDES, budget), covering=True)
+    if covers.status == "free":
+        return covers
     try:
         models: list[Any] = [shape_of(x) for x in (a, b)]
         tables = tables_of(*models)
@@ -89,10 +92,7 @@ def first_event(
     except (NotCharted, Untold) as reason:
         return Advance("open", below(first), reason=str(reason))
     search = EventSearch(a, b, tables, stretches, tolerance, budget)
-    covers = advance(a, b, first, last, tolerance, min(STRIDES, budget), covering=True)
     search.counters[VISITS] = covers.steps  # one budget for both
-    if covers.status == "free":
-        return covers
     if covers.status == "contact" and (touched := search.touched(covers, last)) is not None:
         return touched
     return search.run(below(first) if covers.beyond else covers.free_until, last, apart)
