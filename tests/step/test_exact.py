@@ -153,6 +153,18 @@ def test_a_ball_drops_into_a_countersink():
     assert fc.first_contact(tight, body).status is fc.Status.CONTACT
 
 
+def test_a_pin_along_walls_is_told_without_algebra():
+    """It comes from afar to a side that several pieces have in common: in doubles, and judged exactly."""
+    made = plate(3, 1)
+    part, tip = (fc.from_shape(x, name=name, surfaces=True) for x, name in ((made, "plate"), (pin(), "pin")))
+    assert len(part.pieces) > 1
+    hit = fc.first_contact(tip.translated((90, -80, -70)).moving(fc.Translation((-100, 100, 86))), part)
+    assert hit.stats.exact_evaluations == 0 and hit.contact_set == "segment"
+    assert hit.time == pytest.approx((80 - 0.6) / 100, abs=1e-15)
+    assert hit.time_interval[1] - hit.time_interval[0] < 2e-13
+    assert hit.normal.tolist() == pytest.approx([0.0, -1.0, 0.0], abs=1e-12)
+
+
 @pytest.mark.parametrize("turn", [None, ((1, 2, 3), 0.7)])
 def test_a_cone_ends_at_its_tip(turn):
     """Its other nappe was part of the pin, up to the wall of the cell."""

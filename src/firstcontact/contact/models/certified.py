@@ -48,10 +48,11 @@ def settle(models: tuple[Model, Model], query: Query, apart: bool = False) -> tu
     touch at the same time the answer names one pair.
     """
     models, budget = both_bounded(models, query.span), query.budget
-    found = advance(*models, query.first, query.end, query.tolerance, 10_000 if budget is None else budget)
+    most, sharp, enough = 10_000 if budget is None else budget, query.sharp, query.enough
+    found = advance(*models, query.first, query.end, query.tolerance, most, sharp=sharp, enough=enough)
     if found.beyond:
         most = MOST_BOXES if budget is None else budget
-        found = first_event(*models, query.first, query.end, query.tolerance, most, apart)
+        found = first_event(*models, query.first, query.end, query.tolerance, most, apart, sharp, enough)
     if found.status == "free":
         stats = query.stats(found.steps, found.gaps)
         return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **query.shared), True, found

@@ -218,6 +218,18 @@ def _rate(a, b, w, c):
 
 
 @uncounted
+def _told(a, i, b, j, size, w, c):
+    """The rate at a place in the middle of the touch that a guess by forms found, with what `place_of_touch` tells."""
+    _to_inner_place(a, i, b, j, size, w, c)
+    n0, n1, n2 = contact_normal(a, w, c)
+    w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2] = n0, n1, n2
+    w[RESULTS, TIME] = w[UNKNOWN, 3]
+    for k in range(3):
+        w[RESULTS, POINT + k] = w[UNKNOWN, k]
+    return _rate(a, b, w, c)
+
+
+@uncounted
 def place_of_touch(a, i, ma, b, j, mb, first, last, t, width, w, c):
     """The rate at which pieces that are apart until t seem to come to touch within `width` after it, 0 if they do not:
     that of the sum of active forms times multipliers.
@@ -251,14 +263,19 @@ def place_of_touch(a, i, ma, b, j, mb, first, last, t, width, w, c):
             if taken <= 0 or not t - width <= w[UNKNOWN, 3] <= t + width:
                 continue
             c[MODE] = BY_FORMS
-            _to_inner_place(a, p, b, q, size, w, c)
-            n0, n1, n2 = contact_normal(a, w, c)
-            w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2] = n0, n1, n2
-            w[RESULTS, TIME] = max(w[UNKNOWN, 3], t)
-            for k in range(3):
-                w[RESULTS, POINT + k] = w[UNKNOWN, k]
-            return _rate(a, b, w, c)
+            return _told(a, p, b, q, size, w, c)
     return 0.0
+
+
+@uncounted
+def better_place(a, ma, b, mb, w, c):
+    """As `place_of_touch`, from the guess by forms that is in the workspace."""
+    i, j, size = c[PART], c[PART + 1], 0.0
+    if not place_frames(ma, mb, w[UNKNOWN, 3], w):
+        return 0.0
+    for k in range(3, 6):
+        size = max(size, a[i, BOX + k], b[j, BOX + k])
+    return _told(a, i, b, j, size, w, c)
 
 
 @uncounted

@@ -6,6 +6,7 @@ common point; what neither settles is "open" (see `kernels.convex.advancement`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import product
@@ -24,7 +25,7 @@ from firstcontact.kernels.convex.advancement import (
     SPENT,
     advance_pieces,
 )
-from firstcontact.kernels.convex.along import inner_point, place_of_touch
+from firstcontact.kernels.convex.along import better_place, inner_point, place_of_touch
 from firstcontact.kernels.convex.support import FORMS
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import (
@@ -68,6 +69,8 @@ NEAR = 1e-9
 """Of the size of its coordinates: points nearer to each other than that are one."""
 SOON = (2.0**-6, 2.0**-3, 1.0)
 """Of the width of the answer: how long after a touch its place is looked at."""
+WIDE = 2.0**-2
+"""Of the width of the answer: from which on a contact is enclosed more closely, where that is wanted."""
 MOST_LOOKS = 12
 """Times at which one pair of pieces is followed in balls."""
 
@@ -129,12 +132,13 @@ class Advance:
 
 
 def advance(
-    a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 10_000, covering: bool = False
-) -> Advance:
+    a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 10_000, covering: bool = False,
+    sharp: bool = False, enough: fmpq | None = None,
+) -> Advance:  # fmt: skip
     """The first common point of two bodies (CompositeQuadric, or Moving ones) over the closed [first, last].
 
     first, last: finite fmpq or numbers; tolerance: width of `time_interval` over the span; budget: strides at most.
-    covering: of pieces that cover the bodies.
+    covering: of pieces that cover the bodies.  sharp, enough: as `work.Query` has them.
     """
     begin, end = _exact(first), _exact(last)
     try:
@@ -145,6 +149,7 @@ def advance(
         return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))
     search = PieceSearch(pieces_a, pieces_b, stretches, tolerance, budget)
     search.motions = lambda: curved_pieces(a, b, begin, end)
+    search.sharp, search.enough = sharp, math.inf if enough is None else above(enough)
     return search.run()
 
 
@@ -166,6 +171,7 @@ class PieceSearch:
         self.results = self.workspace[IN_RESULTS]
         self.motions: Callable[[], list[CurvedPiece]] | None = None
         """Gives the steps of the motion, exact; None where what doubles leave open stays so."""
+        self.sharp, self.enough = False, math.inf
 
     def run(self) -> Advance:
         for k, window in enumerate(self.windows):
@@ -234,10 +240,12 @@ class PieceSearch:
         t, close, looks = window.first, None, 0
         while True:
             outcome = self._outcome(window, i, j, t, limit)
+            if outcome == CONTACT and self.sharp:
+                self._sharpen(window)
             if outcome in (FREE, INITIAL, CONTACT) or outcome in REASONS or looks == MOST_LOOKS:
                 return outcome, None
             reached = float(self.results[FREE_UNTIL])
-            if reached >= window.last:
+            if reached >= min(window.last, self.enough):
                 return outcome, None
             looks += 1
             if looks == 1 and self._lands(window, i, j, reached):
@@ -328,15 +336,30 @@ class PieceSearch:
         )  # fmt: skip
 
     def _lands(self, window: Window, i: int, j: int, reached: float) -> bool:
-        """Whether pieces that are free until `reached` are proved to share a point soon after: results as of CONTACT.
+        """Whether pieces, free until `reached`, are proved to share a point soon after: results as of CONTACT."""
+        rate = 0.0 if self.motions is None else place_of_touch(
+            self.a.array, i, window.a, self.b.array, j, window.b, window.first, window.last, reached, self.width,
+            self.workspace, self.counters,
+        )  # fmt: skip
+        return self._judged(window, reached, rate)
+
+    def _sharpen(self, window: Window) -> None:
+        """Enclose a contact more closely, in the middle of what touches there, if that is proved."""
+        wide = self.results[HI] - self.results[LO] > WIDE * self.width
+        if self.motions is None or self.counters[MODE] != BY_FORMS or not wide:
+            return
+        known, told = self.workspace.copy(), self.counters.copy()
+        rate = better_place(self.a.array, window.a, self.b.array, window.b, self.workspace, self.counters)
+        if not self._judged(window, float(known[IN_RESULTS, LO]), rate):
+            self.workspace[:], self.counters[:] = known, told
+
+    def _judged(self, window: Window, reached: float, rate: float) -> bool:
+        """Whether pieces that are free until `reached` share a point at the place of a guess: results as of CONTACT.
 
         The place is found in doubles and judged exactly: where forms are large beside what they tell apart, doubles
         never see it inside.
         """
         a, b, w, c = self.a.array, self.b.array, self.workspace, self.counters
-        rate = 0.0 if self.motions is None else place_of_touch(
-            a, i, window.a, b, j, window.b, window.first, window.last, reached, self.width, w, c
-        )  # fmt: skip
         latest = min(window.inner, reached + 0.98 * self.width)
         if not rate or latest < reached:
             return False
