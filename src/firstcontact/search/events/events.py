@@ -55,8 +55,10 @@ REACH, STAGES = 256.0, 10
 """Widths of the answer over which balls look for events at first, and how often they do."""
 BEFORE = 0.25
 """Of the width of the answer: how long before an event that balls know doubles go on."""
-SHARES = (0.0625, 0.25, 0.98)
+SHARES = (0.25, 0.98)
 """Of the width of the answer: how long after a touch of covers the models are looked at."""
+SOON = 0.0625
+"""The same, where a contact is to be enclosed as closely as comes."""
 SPREAD = 1e-4
 """Part of the body's size beyond which places that may touch count as more than one point."""
 STRIDE = 0.1
@@ -98,7 +100,7 @@ def first_event(
         return Advance("open", below(first), reason=str(reason))
     search = EventSearch(a, b, tables, stretches, tolerance, budget)
     search.counters[VISITS] = covers.steps  # one budget for both
-    if covers.status == "contact" and (touched := search.touched(covers, last)) is not None:
+    if covers.status == "contact" and (touched := search.touched(covers, last, sharp)) is not None:
         return touched
     return search.run(below(first) if covers.beyond else covers.free_until, last, apart)
 
@@ -121,7 +123,7 @@ class EventSearch:
         self.result = np.zeros(RESULTS)
         self.scratch, self.frames = scratch_for(tables), np.zeros((FRAMES, 4))
 
-    def touched(self, covers: Advance, last: fmpq) -> Advance | None:
+    def touched(self, covers: Advance, last: fmpq, sharp: bool = False) -> Advance | None:
         """The contact of convex pieces that cover the models, if it is one of the models."""
         time, interval = covers.time, covers.time_interval
         assert time is not None and interval is not None and covers.point is not None
@@ -137,7 +139,8 @@ class EventSearch:
         )  # fmt: skip
         window = next(w for w in self.windows if time <= w.last)
         instant = Instant(self.tables, window, self.scratch)
-        times = [min(max(hi, lo + share * self.width), window.last) for share in SHARES]
+        shares = (SOON, *SHARES) if sharp else SHARES
+        times = [min(max(hi, lo + share * self.width), window.last) for share in shares]
         at = proved_at(self.bodies, instant, covers, times, last)
         return None if at is None else replace(covers, time=min(time, at), time_interval=(lo, at))
 
