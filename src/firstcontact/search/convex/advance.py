@@ -240,8 +240,8 @@ class PieceSearch:
         t, close, looks = window.first, None, 0
         while True:
             outcome = self._outcome(window, i, j, t, limit)
-            if outcome == CONTACT and self.sharp:
-                self._sharpen(window)
+            if outcome == CONTACT and self.sharp and self.results[LO] + self.width < limit:
+                self._sharpen(window)  # else another one is known that is as early
             if outcome in (FREE, INITIAL, CONTACT) or outcome in REASONS or looks == MOST_LOOKS:
                 return outcome, None
             reached = float(self.results[FREE_UNTIL])
@@ -321,7 +321,8 @@ class PieceSearch:
         if best is None:
             return found
         assert best.time_interval and found.time_interval and best.time is not None and found.time is not None
-        first, other = (best, found) if best.time <= found.time else (found, best)
+        same = self.width if self.sharp else 0.0  # the first of those is enclosed the most closely
+        first, other = (best, found) if best.time <= found.time + same else (found, best)
         lo = min(best.time_interval[0], found.time_interval[0])
         hi = min(best.time_interval[1], found.time_interval[1])
         time = min(max(first.time, lo), hi)  # type: ignore[type-var]
