@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from firstcontact.body.solid.carriers import Plane
 from firstcontact.contact.models import certified, flat_contacts
 from firstcontact.contact.models import first as verbs
+from firstcontact.contact.models.touched import group, with_neighbours
 
 BOX, DRUM, CONE = fc.box((1, 2, "3/2")), fc.cylinder("3/4", 2), fc.cone("3/4", 2)
 LYING = DRUM.rotated((1, 0, 0), degrees=90)
@@ -21,6 +23,7 @@ CAPSULE = fc.cylinder("1/2", "3/2") | BALL.translated((0, 0, "3/4")) | BALL.tran
 BULLET = fc.cylinder("1/2", "3/2") | BALL.translated((0, 0, "3/4"))
 LYING_CAPSULE = CAPSULE.rotated((0, 1, 0), degrees=90)
 SLOT = fc.box((2, 1, 1)) | fc.cylinder("1/2", 1).translated((1, 0, 0)) | fc.cylinder("1/2", 1).translated((-1, 0, 0))
+KEY = SLOT - fc.cylinder("1/4", 2).translated((1, 0, 0))
 EDGEWISE = BOX.rotated((0, 0, 1), degrees=45)
 DRILLED = fc.box((4, 3, 1)) - fc.cylinder("1/2", 2)
 ANGLE = DRILLED | fc.box((1, 3, 3)).translated((2, 0, 1))
@@ -54,6 +57,12 @@ SCENES = {
     "lying drum beside a hole": (LYING, (0.1, 0.2, 6.0), DRILLED.translated((1, 0, 4)), "segment"),
     "angle on drilled plate": (ANGLE, (0.1, 0.2, -6.0), DRILLED.translated((-2, 1, -4)), "patch"),
     "box on a reentrant corner": (BOX, (0.1, 0.2, 6.0), DRILLED_CORNER.translated((0.3, 0.1, 4)), "patch"),
+    "drums that come from afar": (DRUM.translated((-200, -100, 150)), (206.0, 100.5, -152.0),
+                                  DRUM.translated((4, 0.2, 0.3)), "segment"),
+    "drum along a side with round ends and a hole": (
+        fc.cylinder("3/4", 1).rotated((0, 1, 0), degrees=90), (0.1, 6.0, 0.2), KEY.translated((0.1, 4, 0.3)), "segment"
+    ),
+    "drum along two parts in one plane": (DRUM, (0.1, -6.0, 0.2), ANGLE.translated((-1.6, -4, -0.8)), "segment"),
     "gutter on box": (GUTTER, (6.0, 0.1, 0.2), BOX.translated((4, 0.3, 0.4)), "patch"),
 }  # fmt: skip
 
@@ -83,6 +92,16 @@ def test_both_paths_tell_the_same(name, monkeypatch):
     away = np.linalg.norm(told.contact_set.points[:, None] - exact.contact_set.points, axis=2)
     assert away.min(axis=0).max() < near and away.min(axis=1).max() < near
     assert is_round or np.allclose(told.point, exact.point, atol=1e-9)
+
+
+def test_a_plane_through_the_origin_is_seen_to_go_on_a_round_end():
+    """Its form has no terms there beside which what rounding leaves of the height would be small."""
+    slot = SLOT.translated((0, "1/2", 0))
+    number = next(f.index for f in slot.faces if not isinstance(f.carrier, Plane))
+    seam = next(s for s in slot.seams if number in s.faces and all(abs(y) < 1e-9 for y in s.points([0.0])[:, 1]))
+    x, _, z = seam.points([0.0])[0].tolist()
+    met = with_neighbours(group(slot, (("face", number),)), (x, 7e-16, z))
+    assert {f.feature.index for f in met[0].flats((x, 7e-16, z), (0.0, 1.0, 0.0))} == set(seam.faces)
 
 
 @pytest.mark.parametrize("where", [(0, -1), (-1, 0)])

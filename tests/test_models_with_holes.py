@@ -182,6 +182,16 @@ def test_a_needle_in_a_hole_that_is_covered(make, radius):
     assert hit.status is fc.Status.CONTACT and np.hypot(*hit.point[:2]) == pytest.approx(radius, abs=1e-9)
 
 
+def test_what_is_not_asked_for_is_left_open():
+    """Of times at which others are known to touch, covers alone tell nothing that a search would have to bear out."""
+    plate, tip = fc.box((4, 4, 1)) - fc.cylinder("1/2", 2), fc.cone("1/4", 1).rotated((1, 0, 0), degrees=180)
+    moving = tip.translated((0, "1/8", 3)).moving(fc.Translation((0, "1/2", -4)))
+    known = first_event(moving, plate, fmpq(0), fmpq(1), 1e-12, 100_000)
+    told = first_event(moving, plate, fmpq(0), fmpq(1), 1e-12, 100_000, enough=fmpq(1, 4))
+    assert (known.status, told.status, told.reason) == ("contact", "open", "precision")
+    assert 0.25 <= told.free_until < known.time
+
+
 def test_covers_and_events_agree():
     """Where covering pieces touch at a point of the models, the search for events finds the same."""
     plate = fc.box((4, 4, 1)) - fc.cylinder("1/2", 2)

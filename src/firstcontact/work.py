@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import numpy as np
 from flint import fmpq
 
-from firstcontact.exact.numbers import below, to_double
+from firstcontact.exact.numbers import below, exact_value, to_double
 from firstcontact.result import Stats
 
 if TYPE_CHECKING:
@@ -126,6 +126,8 @@ class Query:
 
     last: None without end.  exact, method, engine, tolerance, budget, progress, threads: as
     `firstcontact.first_contact` has them.  begin: when it was asked, by `time.perf_counter`.
+    sharp: whether a contact is to be enclosed more closely than the tolerance asks, where that takes little.
+    enough: UNDECIDED will do where all is proved free up to then; None: nowhere.
     """
 
     a: Any
@@ -140,6 +142,8 @@ class Query:
     progress: Progress | None = None
     threads: int = 1
     begin: float = field(default_factory=clock.perf_counter)
+    sharp: bool = False
+    enough: fmpq | None = None
 
     @cached_property
     def span(self) -> tuple[float, float]:
@@ -175,6 +179,10 @@ class Query:
     def is_auto(self) -> bool:
         """Whether any way may answer."""
         return not self.exact and self.method == "auto"
+
+    def is_enough(self, free_until: float) -> bool:
+        """Whether it does not matter what is proved of later times."""
+        return self.enough is not None and exact_value(free_until) >= self.enough
 
     def limited(self, budget: int) -> Query:
         """With that budget where the caller gave none."""

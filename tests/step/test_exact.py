@@ -13,6 +13,7 @@ from OCP.gp import gp_Pnt  # noqa: E402
 from OCP.TopAbs import TopAbs_State  # noqa: E402
 
 import firstcontact as fc  # noqa: E402
+from firstcontact.search.convex import advance  # noqa: E402
 from step import shapes  # noqa: E402
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -151,6 +152,19 @@ def test_a_ball_drops_into_a_countersink():
     assert fc.first_contact(through, body).status is fc.Status.FREE
     tight = fc.cylinder("101/100", 30).translated((5, 15, 40)).moving(fc.Translation((0, 0, -60)))
     assert fc.first_contact(tight, body).status is fc.Status.CONTACT
+
+
+def test_a_pin_along_walls_is_told_without_algebra(monkeypatch):
+    """It comes from afar to a side that several pieces have in common: told in doubles, and judged exactly at once."""
+    monkeypatch.delattr(advance.PieceSearch, "_close_up")
+    made = plate(3, 1)
+    part, tip = (fc.from_shape(x, name=name, surfaces=True) for x, name in ((made, "plate"), (pin(), "pin")))
+    assert len(part.pieces) > 1
+    hit = fc.first_contact(tip.translated((90, -80, -70)).moving(fc.Translation((-100, 100, 86))), part)
+    assert hit.stats.exact_evaluations == 0 and hit.contact_set == "segment"
+    assert hit.time == pytest.approx((80 - 0.6) / 100, abs=1e-15)
+    assert hit.time_interval[1] - hit.time_interval[0] < 2e-13
+    assert hit.normal.tolist() == pytest.approx([0.0, -1.0, 0.0], abs=1e-12)
 
 
 @pytest.mark.parametrize("turn", [None, ((1, 2, 3), 0.7)])

@@ -22,7 +22,6 @@ LEFT_OPEN = {
     "sphere_sphere_graze": "precision",
     "sphere_grazes_box_edge": "precision",
     "touching_at_start": "precision",
-    "cones_common_generator": "precision",  # apex against apex: the forms vanish to second order
     "sphere_in_spherical_cavity": "not convex",
     "ball_in_tube": "not convex",
     "ball_passes_hole_centered": "not convex",

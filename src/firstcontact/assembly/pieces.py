@@ -7,14 +7,13 @@ touch at the start are some of those in which the bodies do: the first new conta
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 
 from firstcontact.assembly.new_contact import Name, NewContactQuery, Way, earliest, renamed
 from firstcontact.body.compound.compound import Compound
 from firstcontact.body.kinds import Body
-from firstcontact.contact.compound.windows import Side, side_of
+from firstcontact.contact.compound.windows import Side, overlapping, side_of
 from firstcontact.motion.moving import shape_of
 from firstcontact.result import Element, FirstContact, Status
 
@@ -27,12 +26,9 @@ def by_pieces(a: Body, b: Body, asking: NewContactQuery, at_once: Way) -> FirstC
     if not any(isinstance(shape_of(x), Compound) for x in (a, b)):
         return None
     sides = side_of(a), side_of(b)
-    first, last = asking.start, float(asking.span[1])
-    (lo, hi), (low, high) = (side.boxes(np.arange(len(side.bodies)), first, last) for side in sides)
+    span = [(asking.start, float(asking.span[1]))]
     found, touching = [], 0
-    for i, j in product(range(len(lo)), range(len(low))):
-        if (lo[i] > high[j]).any() or (low[j] > hi[i]).any():
-            continue
+    for i, j in overlapping(*(side.boxes(np.arange(len(side.bodies)), span) for side in sides)).tolist():
         x, y = sides[0].bodies[i], sides[1].bodies[j]
         then = asking.at_start(x, y)
         touching += then.status is Status.INITIAL_CONTACT

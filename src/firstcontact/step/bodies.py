@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass, field
 from functools import cache
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -179,6 +179,8 @@ class CellNames:
     beside: tuple[frozenset[int], ...]
     around: tuple[frozenset[int], ...]
     labels: dict[str, list[str]]
+    known: dict[tuple[Hashable, bool], tuple[str, int, str] | None] = field(default_factory=dict)
+    """As asked for so far, by the surfaces that meet there and whether it is the tip of a cone."""
 
     @classmethod
     def of_cell(cls, solid: Solid, cell: cells.Cell) -> CellNames:
@@ -186,13 +188,17 @@ class CellNames:
 
     def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
         """As `Names`: faces whose surfaces meet there tell which edge or vertex it is; one face alone is that face."""
-        features = {"face": body.faces, "edge": body.edges}.get(kind, body.vertices)
-        groups = [self.own[k] for k in features[index].surfaces if self.own[k]]
+        feature = {"face": body.faces, "edge": body.edges}.get(kind, body.vertices)[index]
+        key = feature.surfaces, kind not in ("face", "edge") and feature.is_apex
+        if key not in self.known:
+            self.known[key] = self._where(*key)
+        return self.known[key]
+
+    def _where(self, surfaces: Iterable[int], is_apex: bool) -> tuple[str, int, str] | None:
+        groups = [self.own[k] for k in surfaces if self.own[k]]
         if not groups:
             return None
-        if kind not in ("face", "edge") and features[index].is_apex and (found := [
-            k for k, faces in enumerate(self.around) if faces <= set(groups[0])
-        ]):  # fmt: skip
+        if is_apex and (found := [k for k, faces in enumerate(self.around) if faces <= set(groups[0])]):
             return self._told("vertex", found)
         if len(groups) > 2 and (found := _meeting(self.around, groups)):
             return self._told("vertex", found)

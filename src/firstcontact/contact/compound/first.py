@@ -10,18 +10,22 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from flint import fmpq
+
 from firstcontact.contact.compound.answer import Told, combined, joined
 from firstcontact.contact.compound.windows import Window, side_of, windows
 from firstcontact.errors import InputError, UnsupportedPair
-from firstcontact.exact.numbers import Undecidable, above, below, exact_value
+from firstcontact.exact.numbers import Undecidable, above, below, exact_value, to_double
 from firstcontact.motion.moving import shape_of
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
-    from flint import fmpq
-
     from firstcontact.contact.compound.windows import Side
+
+
+ROOM = fmpq(7, 8)
+"""Of the enclosure that may be told: how wide it becomes at most where pieces touch nearly at once."""
 
 
 def first(query: Query) -> FirstContact:
@@ -32,14 +36,14 @@ def first(query: Query) -> FirstContact:
     sides = side_of(query.a), side_of(query.b)
     asked = windows(*sides, query)
     told: list[Told] = []
-    end, left = query.last, query.budget
+    end, left, enough = query.last, query.budget, None
     for k, window in enumerate(asked):
         if end is not None and window.first > end:
             break
         if left is not None and left <= 0:
             told.append(Told(sides, window, _spent(query, window)))
             break
-        found = _asked(table.first_contact, _about(query, sides, window, end, left))
+        found = _asked(table.first_contact, _sharply(_about(query, sides, window, end, left, enough), query))
         if left is not None:
             left -= found.stats.node_visits + found.stats.pair_tests + found.stats.exact_evaluations
         told.append(Told(sides, window, found))
@@ -50,20 +54,35 @@ def first(query: Query) -> FirstContact:
             told_all = not query.exact and found.status is Status.CONTACT and bool(told[-1].named)
             ends = exact_value(found.time_interval[0 if told_all else 1])
             end = ends if end is None else min(end, ends)
+            if query.last is not None and found.status is Status.CONTACT:  # then earlier times need not be told apart
+                room = ROOM * exact_value(query.tolerance) * (query.last - query.first)
+                enough = exact_value(found.time_interval[1]) - room
         if query.progress is not None and k + 1 < len(asked):
             query.progress(min(below(asked[k + 1].first), query.span[1] if end is None else above(end)), k + 1)
     return combined(query, sides, told)
 
 
-def _about(query: Query, sides: tuple[Side, Side], window: Window, end: fmpq | None, left: int | None) -> Query:
+def _about(
+    query: Query, sides: tuple[Side, Side], window: Window, end: fmpq | None, left: int | None,
+    enough: fmpq | None = None,
+) -> Query:  # fmt: skip
     """The question about two pieces, up to the end of their window or the first contact known."""
     a, b = sides
     last = window.last if end is None or window.last is None else min(window.last, end)
     last = end if last is None else last
     return replace(
         query, a=a.bodies[window.a], b=b.bodies[window.b], first=window.first,
-        last=None if last is None else max(last, window.first), budget=left, progress=None,
+        last=None if last is None else max(last, window.first), budget=left, progress=None, enough=enough,
     )  # fmt: skip
+
+
+def _sharply(asked: Query, query: Query) -> Query:
+    """With the enclosure that the whole question allows, whose span is longer, and as narrow as comes."""
+    short, long = asked.last, query.last
+    if short is None or long is None or short <= asked.first:
+        return asked
+    tolerance = query.tolerance * to_double((long - query.first) / (short - asked.first))
+    return replace(asked, tolerance=tolerance, sharp=True)
 
 
 def _asked(ask: Callable[[Query], FirstContact], query: Query) -> FirstContact:

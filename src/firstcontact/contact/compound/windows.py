@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
 
 from firstcontact.body.compound.compound import Compound, Piece
-from firstcontact.exact.numbers import above, below
+from firstcontact.body.kept import Kept
+from firstcontact.exact.numbers import above, below, to_double
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.motion.relative.sweep import swept_box
+from firstcontact.motion.relative.sweep import ROUNDING, swept_box
+from firstcontact.motion.translation import Translation
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
@@ -23,6 +26,8 @@ SLABS = 16
 FEW = 2
 
 Boxes = tuple[np.ndarray, np.ndarray]
+Spans = Sequence[tuple[float, float]]
+_BOXES = Kept[Boxes]()
 
 
 @dataclass(frozen=True)
@@ -38,19 +43,48 @@ class Side:
         name: str | None = self.body.name
         return name
 
-    def boxes(self, numbers: np.ndarray, first: float, last: float) -> Boxes:
-        """Corners (n, 3) of boxes that hold these pieces at all times from first to last."""
-        found = [self._box(k, first, last) for k in numbers.tolist()]
-        return np.array([lo for lo, _ in found]).reshape(-1, 3), np.array([hi for _, hi in found]).reshape(-1, 3)
+    def boxes(self, numbers: np.ndarray, times: Spans) -> Boxes:
+        """Corners (m, n, 3) of boxes that hold these pieces at all times of each of the spans."""
+        body, shape = self.body, (len(times), len(numbers), 3)
+        vector = body.motion.vector if isinstance(body, Moving) and isinstance(body.motion, Translation) else None
+        if (vector is not None or not isinstance(body, Moving)) and not getattr(shape_of(body), "deforming", False):
+            lo, hi = (x[numbers] for x in _boxes_of(shape_of(body)))
+            if vector is None:
+                return np.broadcast_to(lo, shape), np.broadcast_to(hi, shape)
+            if np.all(np.isfinite(times)) and np.all(np.isfinite(hi - lo)):
+                return _along(np.array([to_double(x) for x in vector]), lo, hi, np.array(times))
+        found = [self._box(k, first, last) for first, last in times for k in numbers.tolist()]
+        return np.array([lo for lo, _ in found]).reshape(shape), np.array([hi for _, hi in found]).reshape(shape)
 
     def _box(self, k: int, first: float, last: float) -> Boxes:
         body, piece = self.bodies[k], self.pieces[k]
-        if piece is None or piece.corners is None:
+        if piece is None or piece.corners is None or not isinstance(body, Moving):
             found: Boxes = body.bounds((first, last))
             return found
-        if not isinstance(body, Moving):
-            return piece.corners.min(axis=0), piece.corners.max(axis=0)
         return swept_box(body.motion, first, last, piece.corners, 0.0)
+
+
+def _boxes_of(shape: Any) -> Boxes:
+    """Corners (n, 3) of boxes around the pieces of a body, in its own frame; kept on it."""
+    def found() -> Boxes:
+        if not isinstance(shape, Compound):
+            return tuple(x[None] for x in _own_box(shape, None))  # type: ignore[return-value]
+        boxes = [_own_box(piece.body, piece.corners) for piece in shape.pieces]
+        return np.array([lo for lo, _ in boxes]), np.array([hi for _, hi in boxes])
+
+    return _BOXES.of(shape, found)
+
+
+def _own_box(body: Any, corners: np.ndarray | None) -> Boxes:
+    found: Boxes = body.bounds() if corners is None else (corners.min(axis=0), corners.max(axis=0))
+    return found
+
+
+def _along(vector: np.ndarray, lo: np.ndarray, hi: np.ndarray, times: np.ndarray) -> Boxes:
+    """(m, n, 3) around boxes (n, 3) that go along a vector, over spans (m, 2)."""
+    ways = times[:, :, None] * vector
+    pad = ROUNDING * max(float(np.abs(x).max()) for x in (lo, hi, ways))
+    return lo + (ways.min(axis=1) - pad)[:, None], hi + (ways.max(axis=1) + pad)[:, None]
 
 
 def side_of(body: Body) -> Side:
@@ -73,9 +107,9 @@ class Window:
 
 def windows(a: Side, b: Side, query: Query) -> list[Window]:
     """All of them, in order of time."""
-    lo, hi = below(query.first), np.inf if query.last is None else above(query.last)
+    whole = [(below(query.first), np.inf if query.last is None else above(query.last))]
     all_a, all_b = np.arange(len(a.bodies)), np.arange(len(b.bodies))
-    pairs = _overlapping(a.boxes(all_a, lo, hi), b.boxes(all_b, lo, hi))
+    pairs = overlapping(a.boxes(all_a, whole), b.boxes(all_b, whole))
     if len(pairs) <= FEW or query.last is None or query.last <= query.first:
         return [Window(query.first, query.last, i, j) for i, j in pairs.tolist()]
     return sorted(_runs(a, b, query, pairs))
@@ -86,11 +120,10 @@ def _runs(a: Side, b: Side, query: Query, pairs: np.ndarray) -> Iterator[Window]
     of_a, of_b = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
     i, j = np.searchsorted(of_a, pairs[:, 0]), np.searchsorted(of_b, pairs[:, 1])
     ends = [query.first + (query.end - query.first) * fmpq(k, SLABS) for k in range(SLABS + 1)]
+    slabs = [(below(first), above(last)) for first, last in pairwise(ends)]
+    (lo_a, hi_a), (lo_b, hi_b) = a.boxes(of_a, slabs), b.boxes(of_b, slabs)
     near = np.zeros((SLABS + 2, len(pairs)), bool)
-    for k in range(SLABS):
-        lo, hi = below(ends[k]), above(ends[k + 1])
-        (lo_a, hi_a), (lo_b, hi_b) = a.boxes(of_a, lo, hi), b.boxes(of_b, lo, hi)
-        near[k + 1] = ((lo_a[i] <= hi_b[j]) & (lo_b[j] <= hi_a[i])).all(axis=1)
+    near[1:-1] = ((lo_a[:, i] <= hi_b[:, j]) & (lo_b[:, j] <= hi_a[:, i])).all(axis=2)
     change = np.diff(near.astype(int), axis=0)
     for k, (one, other) in enumerate(pairs.tolist()):
         starts, stops = np.flatnonzero(change[:, k] > 0), np.flatnonzero(change[:, k] < 0)
@@ -98,10 +131,7 @@ def _runs(a: Side, b: Side, query: Query, pairs: np.ndarray) -> Iterator[Window]
             yield Window(ends[start], ends[stop], one, other)
 
 
-def _overlapping(a: Boxes, b: Boxes) -> np.ndarray:
-    """(k, 2) numbers of boxes that share a point."""
-    meet = np.ones((len(a[0]), len(b[0])), bool)
-    for axis in range(3):
-        meet &= a[0][:, None, axis] <= b[1][None, :, axis]
-        meet &= b[0][None, :, axis] <= a[1][:, None, axis]
-    return np.argwhere(meet)
+def overlapping(a: Boxes, b: Boxes) -> np.ndarray:
+    """(k, 2) numbers of boxes that share a point, over the only span."""
+    (lo_a,), (hi_a,), (lo_b,), (hi_b,) = *a, *b
+    return np.argwhere(((lo_a[:, None] <= hi_b) & (lo_b <= hi_a[:, None])).all(axis=2))

@@ -19,7 +19,7 @@ from firstcontact.body.solid import primitives
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.contact.models.flat_contacts import Pair, Shared, shared_set
 from firstcontact.contact.models.kept_directions import turning_axes
-from firstcontact.contact.models.same_point import may_touch_more, pairs_at
+from firstcontact.contact.models.same_point import may_touch_more, near_surfaces, pairs_at
 from firstcontact.contact.models.touched import Flat, Flats, Point, group, is_parallel, lowest, ranked, with_neighbours
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation
@@ -48,10 +48,11 @@ def settle(models: tuple[Model, Model], query: Query, apart: bool = False) -> tu
     touch at the same time the answer names one pair.
     """
     models, budget = both_bounded(models, query.span), query.budget
-    found = advance(*models, query.first, query.end, query.tolerance, 10_000 if budget is None else budget)
+    most, sharp, enough = 10_000 if budget is None else budget, query.sharp, query.enough
+    found = advance(*models, query.first, query.end, query.tolerance, most, sharp=sharp, enough=enough)
     if found.beyond:
         most = MOST_BOXES if budget is None else budget
-        found = first_event(*models, query.first, query.end, query.tolerance, most, apart)
+        found = first_event(*models, query.first, query.end, query.tolerance, most, apart, sharp, enough)
     if found.status == "free":
         stats = query.stats(found.steps, found.gaps)
         return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **query.shared), True, found
@@ -207,9 +208,14 @@ def _flat_set(
         return None
     a, b = on
     also = None
-    if found.complete and found.also is not None:
+    if found.also is not None and (found.complete or all(map(_is_complete, on))):
         also = [(group(a.body, x).surfaces, group(b.body, y).surfaces) for x, y in found.also]
     return shared_set((a.known.model, b.known.model), (a.pose, b.pose), flats, point, axes, also)
+
+
+def _is_complete(on: _On) -> bool:
+    """Whether no surface passes through the point but those of the features."""
+    return on.known.surfaces.issuperset(near_surfaces(on.known.model, on.where))
 
 
 def _named(on: tuple[_On, _On], pairs: list[Pair]) -> Named:

@@ -63,6 +63,8 @@ def first(query: Query) -> FirstContact:
             return seen
         if query.is_spent(proved.reason):
             return _undecided(query, proved, "budget")
+        if proved.status == "open" and query.is_enough(proved.free_until):
+            return _undecided(query, proved, "precision")
         return Passed(proved.reason or proved.status, proved)
 
     def at_last_instant(query: Query, proved: Advance) -> FirstContact | Passed:

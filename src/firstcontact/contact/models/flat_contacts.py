@@ -18,7 +18,17 @@ import numpy as np
 from flint import fmpq_mat
 
 from firstcontact.body.kept import Kept
-from firstcontact.body.solid.carriers import Conic, Line, Plane, QuarticCurve, dot
+from firstcontact.body.solid.carriers import (
+    Conic,
+    Line,
+    Plane,
+    QuarticCurve,
+    dot,
+    inertia,
+    null_space,
+    restricted,
+    transposed,
+)
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, inside
 from firstcontact.body.solid.features import Edge, Face, Vertex
@@ -43,6 +53,7 @@ Feature = Face | Edge | Vertex
 _SHAPE = Kept["_Shape"]()
 _WIDENED_BOX = Kept[tuple[list[float], list[float]]]()
 _AT_SURFACES = Kept[dict[tuple[Feature, int], tuple[list[Face], list[Vertex], list[Edge]]]]()
+_ONE_SIDED = Kept[dict[Feature, frozenset[int]]]()
 _OUTLINES = Kept[dict[Face, "_Outline"]]()
 Pair = tuple[Feature, Feature, Point]
 """A feature of a, one of b, and a point at which they meet, world."""
@@ -84,8 +95,7 @@ def shared_set(
             return None
         if x.direction is None and y.direction is None:
             return _in_plane(bodies, x.feature, y.feature)
-        if also:
-            return None
+        # what both surfaces hold is one line: whatever touches in them does so there
         line, own = (y, b) if x.direction is None else (x, a)
         direction = _tangent(line, y if line is x else x) if line.exact is None else line.exact
         return _in_line(bodies, (x, y), where, own.turned(_unit(direction)))
@@ -487,8 +497,8 @@ def _held(
     on = _on(flats[0]), _on(flats[1])
     breaks = sorted(
         (s, side, k)
-        for side, body in enumerate(bodies)
-        for k, form in enumerate(body.forms) if k not in on[side]
+        for side, (body, flat) in enumerate(zip(bodies, flats, strict=True))
+        for k, form in enumerate(body.forms) if k not in on[side] and k not in _one_sided(body.model, flat.feature)
         for s, _ in _roots(form, body.local(where), body.back(d))
     )  # fmt: skip
     shared: list[tuple[tuple[float, int, int], tuple[float, int, int]]] = []
@@ -506,6 +516,21 @@ def _held(
     if any(abs(other[0] - end[0]) <= near for end in (lo, hi) for other in breaks if other is not end):
         return None
     return (lo[1], (lo[0], lo[2])), (hi[1], (hi[0], hi[2]))
+
+
+def _one_sided(model: CompositeQuadric, feature: Feature) -> frozenset[int]:
+    """The surfaces of which the plane of a face has one side alone, as a fillet's: lines in it pass none of them."""
+    if not (isinstance(feature, Face) and isinstance(feature.carrier, Plane)):
+        return frozenset()
+    known, normal = _ONE_SIDED.of(model, dict), feature.carrier.normal
+    found = known.get(feature)
+    if found is None:
+        basis = transposed(tuple(null_space((normal,))))
+        found = known[feature] = frozenset(
+            k for k, surface in enumerate(model.surfaces)
+            if 0 in inertia(restricted(surface.matrix(), basis)) and k not in feature.surfaces
+        )  # fmt: skip
+    return found
 
 
 def _is_plane(feature: Feature) -> bool:

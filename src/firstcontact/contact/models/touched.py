@@ -150,10 +150,10 @@ def with_neighbours(known: Group, where: Point) -> list[Touched]:
     if not seamed:
         return known.features
     own, near = known.features[0].feature.surfaces, []
+    far = max(map(abs, where))  # coordinates are rounded by a part of the largest: a plane y = 0 has no terms there
     for k, form, least in seamed:
-        if k not in own and abs(height(form, *where)) <= least:
-            v, size = value(form, *where)  # beside a seam it grows with the square of the distance
-            if abs(v) <= BESIDE * size:
+        if k not in own and (v := abs(height(form, *where))) <= least:
+            if v <= BESIDE * value(form, far, far, far)[1]:  # beside a seam it grows with the square of the distance
                 near.append(k)
     if not near:
         return known.features

@@ -6,6 +6,7 @@ common point; what neither settles is "open" (see `kernels.convex.advancement`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import product
@@ -24,6 +25,7 @@ from firstcontact.kernels.convex.advancement import (
     SPENT,
     advance_pieces,
 )
+from firstcontact.kernels.convex.along import better_place, inner_point, place_of_touch
 from firstcontact.kernels.convex.support import FORMS
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import (
@@ -37,11 +39,13 @@ from firstcontact.kernels.workspace import (
     MODE,
     NEWTON,
     NORMAL,
+    PART,
     POINT,
     POSE_A,
     RESULTS,
     STEPS,
     TIME,
+    UNKNOWN,
     VERTEX,
     workspace,
 )
@@ -50,6 +54,7 @@ from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.search.convex.close_up import CloseUp, Passage
+from firstcontact.search.convex.common_point import Meeting
 from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
 from firstcontact.search.convex.separation import NoFunction
 
@@ -62,6 +67,10 @@ IN_RESULTS, FRAMES = int(RESULTS), slice(int(POSE_A), int(POSE_A) + 6)
 Feature = tuple[str, int]
 NEAR = 1e-9
 """Of the size of its coordinates: points nearer to each other than that are one."""
+SOON = (2.0**-6, 2.0**-3, 1.0)
+"""Of the width of the answer: how long after a touch its place is looked at."""
+WIDE = 2.0**-2
+"""Of the width of the answer: from which on a contact is enclosed more closely, where that is wanted."""
 MOST_LOOKS = 12
 """Times at which one pair of pieces is followed in balls."""
 
@@ -123,12 +132,13 @@ class Advance:
 
 
 def advance(
-    a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 10_000, covering: bool = False
-) -> Advance:
+    a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 10_000, covering: bool = False,
+    sharp: bool = False, enough: fmpq | None = None,
+) -> Advance:  # fmt: skip
     """The first common point of two bodies (CompositeQuadric, or Moving ones) over the closed [first, last].
 
     first, last: finite fmpq or numbers; tolerance: width of `time_interval` over the span; budget: strides at most.
-    covering: of pieces that cover the bodies.
+    covering: of pieces that cover the bodies.  sharp, enough: as `work.Query` has them.
     """
     begin, end = _exact(first), _exact(last)
     try:
@@ -139,6 +149,7 @@ def advance(
         return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))
     search = PieceSearch(pieces_a, pieces_b, stretches, tolerance, budget)
     search.motions = lambda: curved_pieces(a, b, begin, end)
+    search.sharp, search.enough = sharp, math.inf if enough is None else above(enough)
     return search.run()
 
 
@@ -160,6 +171,7 @@ class PieceSearch:
         self.results = self.workspace[IN_RESULTS]
         self.motions: Callable[[], list[CurvedPiece]] | None = None
         """Gives the steps of the motion, exact; None where what doubles leave open stays so."""
+        self.sharp, self.enough = False, math.inf
 
     def run(self) -> Advance:
         for k, window in enumerate(self.windows):
@@ -228,12 +240,16 @@ class PieceSearch:
         t, close, looks = window.first, None, 0
         while True:
             outcome = self._outcome(window, i, j, t, limit)
+            if outcome == CONTACT and self.sharp and self.results[LO] + self.width < limit:
+                self._sharpen(window)  # else another one is known that is as early
             if outcome in (FREE, INITIAL, CONTACT) or outcome in REASONS or looks == MOST_LOOKS:
                 return outcome, None
             reached = float(self.results[FREE_UNTIL])
-            if reached >= window.last:
+            if reached >= min(window.last, self.enough):
                 return outcome, None
             looks += 1
+            if looks == 1 and self._lands(window, i, j, reached):
+                return CONTACT, None
             close = close or self._close_up(window, i, j)
             if close is None:
                 return outcome, None
@@ -305,7 +321,8 @@ class PieceSearch:
         if best is None:
             return found
         assert best.time_interval and found.time_interval and best.time is not None and found.time is not None
-        first, other = (best, found) if best.time <= found.time else (found, best)
+        same = self.width if self.sharp else 0.0  # the first of those is enclosed the most closely
+        first, other = (best, found) if best.time <= found.time + same else (found, best)
         lo = min(best.time_interval[0], found.time_interval[0])
         hi = min(best.time_interval[1], found.time_interval[1])
         time = min(max(first.time, lo), hi)  # type: ignore[type-var]
@@ -319,15 +336,70 @@ class PieceSearch:
             self.workspace[FRAMES].tolist(), **self._work(),
         )  # fmt: skip
 
+    def _lands(self, window: Window, i: int, j: int, reached: float) -> bool:
+        """Whether pieces, free until `reached`, are proved to share a point soon after: results as of CONTACT."""
+        rate = 0.0 if self.motions is None else place_of_touch(
+            self.a.array, i, window.a, self.b.array, j, window.b, window.first, window.last, reached, self.width,
+            self.workspace, self.counters,
+        )  # fmt: skip
+        return self._judged(window, reached, rate)
+
+    def _sharpen(self, window: Window) -> None:
+        """Enclose a contact more closely, in the middle of what touches there, if that is proved."""
+        wide = self.results[HI] - self.results[LO] > WIDE * self.width
+        if self.motions is None or self.counters[MODE] != BY_FORMS or not wide:
+            return
+        known, told = self.workspace.copy(), self.counters.copy()
+        rate = better_place(self.a.array, window.a, self.b.array, window.b, self.workspace, self.counters)
+        if not self._judged(window, float(known[IN_RESULTS, LO]), rate):
+            self.workspace[:], self.counters[:] = known, told
+
+    def _judged(self, window: Window, reached: float, rate: float) -> bool:
+        """Whether pieces that are free until `reached` share a point at the place of a guess: results as of CONTACT.
+
+        The place is found in doubles and judged exactly: where forms are large beside what they tell apart, doubles
+        never see it inside.
+        """
+        a, b, w, c = self.a.array, self.b.array, self.workspace, self.counters
+        latest = min(window.inner, reached + 0.98 * self.width)
+        if not rate or latest < reached:
+            return False
+        meeting = Meeting(self._motion(window), self.a.solids[int(c[PART])], self.b.solids[int(c[PART + 1])])
+        time = min(max(float(self.results[TIME]), reached), latest)
+        _, *point = inner_point(a, window.a, b, window.b, time, w, c)
+        time = min(max(time + meeting.correction(time, point, self._active(), rate), reached), latest)
+        for share in SOON:
+            at = min(time + share * self.width, latest)
+            regular, *point = inner_point(a, window.a, b, window.b, at, w, c)
+            if regular and meeting.is_at(at, point):
+                self.results[TIME], self.results[LO], self.results[HI] = time, reached, at
+                inner_point(a, window.a, b, window.b, time, w, c)  # for the frames then
+                return True
+        return False
+
+    def _active(self) -> list[tuple[int, int, float, list[float]]]:
+        """Of the active forms (side, number in their piece, multiplier, row)."""
+        c, found = self.counters.tolist(), []
+        for k in range(c[COUNT] + c[COUNT + 1]):
+            side = 0 if k < c[COUNT] else 1
+            pieces, row = (self.a, self.b)[side], c[ACTIVE + k]
+            first = int(pieces.array[c[PART + side], FORMS])
+            found.append((side, row - first, float(self.workspace[UNKNOWN, 4 + k]), pieces.array[row, :10].tolist()))
+        return found
+
+    def _motion(self, window: Window) -> CurvedPiece:
+        """The step of the motion in a window, exact."""
+        assert self.motions is not None
+        middle = (_exact(window.first) + _exact(window.last)) / 2
+        # one holds it, but for the window's rounding
+        return min(self.motions(), key=lambda m: max(m.start - middle, middle - m.end))
+
     def _close_up(self, window: Window, i: int, j: int) -> CloseUp | None:
         """None where balls do not follow these pieces: the union of all has no forms of its own."""
         if self.motions is None or i >= len(self.a.solids) or j >= len(self.b.solids):
             return None
-        middle = (_exact(window.first) + _exact(window.last)) / 2
-        # one holds it, but for the window's rounding
-        motion = min(self.motions(), key=lambda m: max(m.start - middle, middle - m.end))
         try:
-            return CloseUp(motion, self.a, i, self.b, j)
+            return CloseUp(self._motion(window), self.a, i, self.b, j)
         except NoFunction:
             return None
 

@@ -49,6 +49,10 @@ Clause = frozenset[tuple[int, bool]]
 """Where the solid lies on the given side of every surface: (number, inside)."""
 
 
+HalfSpaces = tuple[list[Surface], Sequence[fmpq] | None]
+"""Those whose intersection a piece is, and a point inside it."""
+
+
 class NotConvex(Exception):
     """The model is not a union of bounded convex pieces that the kernels describe; the text says why."""
 
@@ -66,7 +70,7 @@ class ConvexPieces:
     count: int
     labels: dict[frozenset[int], tuple[str, int]]
     union: int | None = None
-    solids: tuple[tuple[list[Surface], Sequence[fmpq] | None], ...] = ()
+    solids: tuple[HalfSpaces, ...] = ()
     named: dict[tuple[int, ...], tuple[tuple[str, int], ...]] = field(default_factory=dict)
     """Features by the rows of forms, as asked for so far."""
 

@@ -50,14 +50,19 @@ class Tables:
     known_still: np.ndarray
 
 
-_TABLES = Kept[tuple[weakref.ref[CompositeQuadric], Tables]]()
+MOST_TABLES = 64
+"""Kept of a body: parts are made of many pieces, each of which may be asked about in every query."""
+_TABLES = Kept[dict[int, tuple[weakref.ref[CompositeQuadric], Tables]]]()
 
 
 def tables_of(a: CompositeQuadric, b: CompositeQuadric) -> Tables:
-    """The tables of two bodies, kept for the second one they were asked with last.  Raises NotCharted."""
-    known = _TABLES.get(a)
+    """The tables of two bodies, kept for those second ones they were asked with last.  Raises NotCharted."""
+    every = _TABLES.of(a, dict)
+    known = every.get(id(b))
     if known is None or known[0]() is not b:
-        known = _TABLES.put(a, (weakref.ref(b), _tables(a, b)))
+        if len(every) >= MOST_TABLES:
+            del every[next(iter(every))]
+        known = every[id(b)] = weakref.ref(b), _tables(a, b)
     return known[1]
 
 

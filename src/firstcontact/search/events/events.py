@@ -55,6 +55,10 @@ REACH, STAGES = 256.0, 10
 """Widths of the answer over which balls look for events at first, and how often they do."""
 BEFORE = 0.25
 """Of the width of the answer: how long before an event that balls know doubles go on."""
+SHARES = (0.25, 0.98)
+"""Of the width of the answer: how long after a touch of covers the models are looked at."""
+SOON = 0.0625
+"""The same, where a contact is to be enclosed as closely as comes."""
 SPREAD = 1e-4
 """Part of the body's size beyond which places that may touch count as more than one point."""
 STRIDE = 0.1
@@ -76,12 +80,18 @@ SLICE = 2000
 
 
 def first_event(
-    a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float, budget: int, apart: bool = False
-) -> Advance:
+    a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float, budget: int, apart: bool = False,
+    sharp: bool = False, enough: fmpq | None = None,
+) -> Advance:  # fmt: skip
     """The first common point of two bodies over [first, last]; as `search.convex.advance`.
 
     budget: strides, boxes and pairs of features at most.  apart: they are known to share no point at `first`.
     """
+    covers = advance(a, b, first, last, tolerance, min(STRIDES, budget), covering=True, sharp=sharp, enough=enough)
+    if covers.status == "free":
+        return covers
+    if enough is not None and exact_value(covers.free_until) >= enough:
+        return Advance("open", covers.free_until, reason="precision", steps=covers.steps, spent=covers.spent)
     try:
         models: list[Any] = [shape_of(x) for x in (a, b)]
         tables = tables_of(*models)
@@ -89,11 +99,8 @@ def first_event(
     except (NotCharted, Untold) as reason:
         return Advance("open", below(first), reason=str(reason))
     search = EventSearch(a, b, tables, stretches, tolerance, budget)
-    covers = advance(a, b, first, last, tolerance, min(STRIDES, budget), covering=True)
     search.counters[VISITS] = covers.steps  # one budget for both
-    if covers.status == "free":
-        return covers
-    if covers.status == "contact" and (touched := search.touched(covers, last)) is not None:
+    if covers.status == "contact" and (touched := search.touched(covers, last, sharp)) is not None:
         return touched
     return search.run(below(first) if covers.beyond else covers.free_until, last, apart)
 
@@ -116,7 +123,7 @@ class EventSearch:
         self.result = np.zeros(RESULTS)
         self.scratch, self.frames = scratch_for(tables), np.zeros((FRAMES, 4))
 
-    def touched(self, covers: Advance, last: fmpq) -> Advance | None:
+    def touched(self, covers: Advance, last: fmpq, sharp: bool = False) -> Advance | None:
         """The contact of convex pieces that cover the models, if it is one of the models."""
         time, interval = covers.time, covers.time_interval
         assert time is not None and interval is not None and covers.point is not None
@@ -132,7 +139,8 @@ class EventSearch:
         )  # fmt: skip
         window = next(w for w in self.windows if time <= w.last)
         instant = Instant(self.tables, window, self.scratch)
-        times = [min(max(hi, lo + share * self.width), window.last) for share in (0.25, 0.98)]
+        shares = (SOON, *SHARES) if sharp else SHARES
+        times = [min(max(hi, lo + share * self.width), window.last) for share in shares]
         at = proved_at(self.bodies, instant, covers, times, last)
         return None if at is None else replace(covers, time=min(time, at), time_interval=(lo, at))
 
