@@ -73,7 +73,7 @@ class Solid:
         """(n,) about how far the points centre + steps (n, 3) are from inside, negative inside; forms: as placed."""
         image = forms @ np.append(centre, 1.0)
         value = image[:, :3] @ centre + image[:, 3]
-        bent = np.einsum("ni,sij,nj->sn", steps, forms[:, :3, :3], steps, optimize=True)
+        bent = np.einsum("sni,ni->sn", steps @ forms[:, :3, :3], steps)
         return tree_height(self.model.tree, value[:, None] + 2.0 * image[:, :3] @ steps.T + bent)
 
     def slopes(self, forms: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

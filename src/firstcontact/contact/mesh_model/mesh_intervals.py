@@ -13,16 +13,19 @@ import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.contact.centred import intervals_anew
 from firstcontact.contact.mesh_model.by_triangles import first, holds_model, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
+from firstcontact.contact.mesh_model.tip_ways import TipWays
 from firstcontact.contact.models.certified import bounded
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
-from firstcontact.contact.ways import Way, answered
+from firstcontact.contact.ways import Passed, Way, answered, decided, is_proved
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
+from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.stretches import Window
-from firstcontact.result import ContactIntervals
+from firstcontact.result import ContactIntervals, Status
 from firstcontact.search.convex.mesh_advance import BACK, Swept
 from firstcontact.timeline.answers import proved_intervals
 from firstcontact.timeline.lasting import Solid
@@ -40,12 +43,31 @@ def intervals(query: Query) -> ContactIntervals:
         raise UnsupportedPair(
             "contact intervals of meshes with curved models are not exact; drop exact=True and method='algebraic'"
         )
-    return answered([Way("by triangles", _by_triangles)], query)
+    ways = [
+        Way("by triangles", lambda query, _: decided(_by_triangles(query), query)),
+        Way("by triangles near the origin", _near_origin, is_proved),
+    ]
+    return answered(ways, query)
 
 
-def _by_triangles(query: Query, _: None) -> ContactIntervals:
+def _by_triangles(query: Query) -> ContactIntervals:
     work = query.work()
     return proved_intervals(_all_contacts(query, work), work, query)
+
+
+def _near_origin(query: Query, proved: ContactIntervals) -> ContactIntervals | Passed:
+    """Of bodies away from it what doubles left open, told from more digits."""
+    found = intervals_anew(_by_triangles, query)
+    if found is None:
+        return Passed("they are at the origin")
+    if found.status is Status.UNDECIDED and _reach(found) < _reach(proved):
+        return Passed(str(found.reason), proved)
+    return decided(found, query)
+
+
+def _reach(found: ContactIntervals) -> float:
+    assert found.free_until is not None
+    return found.free_until
 
 
 def _all_contacts(query: Query, work: Work) -> Found:
@@ -56,7 +78,8 @@ def _all_contacts(query: Query, work: Work) -> Found:
     mesh, model = shape_of(moving_mesh), shape_of(moving_model)
     parts = windows_of(a, b, query.first, query.end)
     width = query.tolerance * (parts[-1].last - parts[0].first)
-    free, lasting = _Free(mesh, model, mesh_is_a, width, work), LastingOfMesh(mesh, Solid(model), mesh_is_a)
+    tips = TipWays(mesh, model, curved_pieces(moving_mesh, moving_model, query.first, query.end), parts)
+    free, lasting = _Free(mesh, model, mesh_is_a, width, work), LastingOfMesh(mesh, Solid(model), mesh_is_a, tips)
 
     def touches_at_start() -> np.ndarray | None:
         return first(replace(query, last=query.first, budget=None, progress=None)).point
