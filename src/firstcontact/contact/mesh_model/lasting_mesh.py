@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -118,10 +118,14 @@ class LastingOfMesh(Lasting["MeshPoint | Pierced"]):
         return self.deepest(window, t, [])
 
     def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> MeshPoint | Pierced | None:
-        found = self._deep(window, t, seeds)
-        if found is not None or self.tips is None:
-            return found
-        return self.tips.found(window, t, self._from_model(window, t))
+        return next(self.each_held(window, t, seeds), None)
+
+    def each_held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[MeshPoint | Pierced]:
+        if self.tips is not None:
+            yield from self.tips.found(window, t, self._from_model(window, t))
+        deep = self._deep(window, t, seeds)
+        if deep is not None:
+            yield deep
 
     def _deep(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> MeshPoint | None:
         own, other = self._motions(window)

@@ -7,7 +7,7 @@ and its line passes all three sides on one hand, the triangle holds a point of i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -54,13 +54,11 @@ class TipWays:
         tips = [tip for solid in solids for tip in tips_of(solid)]
         self.ways: list[tuple[Vector, Vector]] = [(_point(tip.point), _point(tip.witness)) for tip in tips]
 
-    def found(self, window: Window, t: float, pose: np.ndarray) -> Pierced | None:
-        """A triangle that is proved to be pierced at t; pose (3, 4): of the polyhedron seen from the model, about."""
-        if not self.ways:
-            return None
-        x = self.corners @ pose[:, :3].T + pose[:, 3]
-        seen = (Pierced(k, *way) for way in self.ways for k in _passed(x, *way))
-        return next((x for x in seen if self.stays(window, t, t, x)), None)
+    def found(self, window: Window, t: float, pose: np.ndarray) -> Iterator[Pierced]:
+        """Triangles that are proved to be pierced at t; pose (3, 4): of the polyhedron seen from the model, about."""
+        x = self.corners @ pose[:, :3].T + pose[:, 3] if self.ways else self.corners
+        for way in self.ways:
+            yield from (at for k in _passed(x, *way) if self.stays(window, t, t, at := Pierced(k, *way)))
 
     def stays(self, window: Window, t: float, end: float, pierced: Pierced) -> bool:
         """Whether the triangle is proved to be pierced over [t, end]: by the mean values of what changes its sign."""
