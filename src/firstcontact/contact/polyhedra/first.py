@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from dataclasses import replace
 
+from firstcontact.contact.polyhedra.advancing_prisms import without_advance
 from firstcontact.contact.polyhedra.answers import (
     JoinedInterval,
     contact_of,
@@ -88,15 +89,26 @@ def intervals(query: Query) -> ContactIntervals:
 
 
 def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
-    """Of prisms along the normal of a plane in which they move, and of parts that lie on each other there."""
+    """Of prisms along the normal of a plane in which they move, or along which they also advance, and of parts that lie
+    on each other there."""
     if not any(isinstance(piece, CurvedPiece) for piece in _pieces(query)):
         return Passed("shifts and turns are exact")
     other = in_one_plane(query)
+    other = without_advance(query) if other is None else other
     if other is None:
         return Passed("they are no prisms that move in one plane, nor is one on the other")
     if isinstance(other, Apart):
         return ContactIntervals((), Status.FREE, query.span[1], None, _timed(NO_WORK, query.begin), **query.shared)
-    return decided(replace(_contact_intervals(other), **query.shared), query)
+    return decided(_in_longer_span(_contact_intervals(other), other, query), query)
+
+
+def _in_longer_span(found: ContactIntervals, asked: Query, query: Query) -> ContactIntervals:
+    """The answer to a query whose bodies are apart at all times before and after those that were asked about."""
+    later = found.status is Status.INITIAL_CONTACT and asked.first > query.first
+    return replace(
+        found, status=Status.CONTACT if later else found.status,
+        free_until=query.span[1] if found.status is Status.FREE else found.free_until, **query.shared,
+    )  # fmt: skip
 
 
 def _by_trees_soon(query: Query, _: None) -> ContactIntervals | Passed:
