@@ -7,6 +7,7 @@ by parity, which does not change with time; so only the model has to hold it ove
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -22,14 +23,15 @@ from firstcontact.contact.models.certified import bounded
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.ways import Passed, Way, answered, decided, is_proved
 from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.stretches import Window
-from firstcontact.result import ContactIntervals, Status
+from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.convex.mesh_advance import BACK, Swept
 from firstcontact.timeline.answers import proved_intervals
 from firstcontact.timeline.lasting import Solid
-from firstcontact.timeline.sweep import Found, Sweep
+from firstcontact.timeline.sweep import Found, Sweep, Touch
 from firstcontact.work import Query, Spent, Work
 
 
@@ -84,7 +86,31 @@ def _all_contacts(query: Query, work: Work) -> Found:
     def touches_at_start() -> np.ndarray | None:
         return first(replace(query, last=query.first, budget=None, progress=None)).point
 
-    return Sweep(free, lasting, parts, width, work, touches_at_start).run()
+    def exactly(t: float, end: float) -> FirstContact:
+        span = max(exact_value(t), query.first), min(exact_value(end), query.end)
+        return first(replace(query, first=span[0], last=span[1], budget=work.left))
+
+    sweep = _MeshSweep(free, lasting, parts, width, work, touches_at_start)
+    sweep.exactly = exactly
+    return sweep.run()
+
+
+class _MeshSweep(Sweep[Window]):
+    """Where doubles do not tell when contact begins, exact arithmetic is asked for the first one between two times."""
+
+    exactly: Callable[[float, float], FirstContact]
+
+    def touch(self, window: Window, t: float, end: float) -> Touch | None:
+        found = super().touch(window, t, end)
+        if found is None or found.sure or not any(window is x for x in self.windows):  # a mirror is none of these
+            return found
+        hit = self.exactly(found.lo, end)
+        if hit.status is Status.FREE:
+            return None
+        assert hit.free_until is not None
+        lo = min(max(found.lo, hit.free_until), math.nextafter(end, t))
+        hi, point = self._soon(window, lo, min(window.inner, end), [] if hit.point is None else [hit.point])
+        return Touch(lo, hi, point is not None, hi, point)
 
 
 class _Free:
@@ -110,7 +136,10 @@ class _Free:
         if found.status == "free":
             return end, []
         until = min(max(t, found.free_until), math.nextafter(end, t))
-        return until, [] if found.touch is None else [found.touch.point]
+        if found.touch is not None:
+            return until, [found.touch.point]
+        first_open = min(found.open, key=lambda x: x.free_until, default=None)
+        return until, [] if first_open is None else [self.search.nearest(first_open, window)]
 
     def near_start(self, window: Window) -> list[np.ndarray]:
         found = self._paid(self.search.at_start(window))
