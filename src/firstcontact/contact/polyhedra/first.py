@@ -20,6 +20,7 @@ from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.prisms import Apart, in_one_plane
 from firstcontact.contact.polyhedra.problems.problem import far_apart, problem_of, problems_in_order, stretches
+from firstcontact.contact.polyhedra.sharpened import sharpened
 from firstcontact.contact.ways import Passed, Way, answered, decided
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
@@ -130,11 +131,13 @@ def _are_small_and_convex(query: Query) -> bool:
 
 
 def _as_solids(query: Query, _: ContactIntervals) -> ContactIntervals | Passed:
-    """What these tell; what trees proved stands where they tell no more."""
+    """What these tell, to the digits of trees where these tell more; what trees proved stands where solids do not."""
     from firstcontact.contact.models.first import intervals as of_solids
 
     found = of_solids(replace(query, method="certified"))
-    return found if found.status is not Status.UNDECIDED else Passed(str(found.reason))
+    if found.status is Status.UNDECIDED:
+        return Passed(str(found.reason))
+    return sharpened(found, query, lambda part: _contact_intervals(part.limited(SOON)))
 
 
 def _contact_intervals(query: Query) -> ContactIntervals:
