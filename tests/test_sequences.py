@@ -289,19 +289,3 @@ def test_any_steps_against_a_resting_body():
     motion = fc.Sequence([fc.Translation((0, 0, 1)), fc.Rotation(Z, turns=Fraction(1, 2)), ONE])
     hit = fc.first_contact(box_at((-3, 0, 0)).moving(motion), box_at((9, 0, 0)))
     assert hit.status is fc.Status.FREE
-
-
-def test_an_end_in_a_step_after_one_that_solids_tell_is_the_nearest_double():
-    """Flat on the plate at 2/9, which trees leave to solids; its end, in the second step, was told to 1e-12 only."""
-    a = fc.Polyhedron(
-        [(-3, "1/2", -2), (-3, "5/2", -2), (-3, "1/2", 0), (0, "1/2", -2)], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
-    )
-    rise = Fraction(549755813889, 2**40)
-    steps = [
-        fc.Screw(Z, (-3, "1/2", -3), turns=1, advance="-3/2"), fc.Screw(Z, (-3, "3/2", -2), turns="1/4", advance=rise)
-    ]  # fmt: skip
-    b = fc.examples.box((104, 104, 4)).translated((-3, "1/2", -5))
-    (x,) = fc.contact_intervals(a.moving(fc.Sequence(steps, durations=["1/3", 2])), b)
-    end = Fraction(1, 3) + 2 * Fraction(1, 2) / rise
-    assert x.start_interval[0] <= Fraction(2, 9) <= x.start_interval[1]
-    assert x.end == float(end) and x.end_interval[0] <= end <= x.end_interval[1]
