@@ -109,3 +109,7 @@ def test_a_pendulum_dips_into_a_plate_with_its_tip(advance, away):
     for pair in ((hanging.moving(swing), plate), (plate, hanging.moving(swing))):
         (dip,) = fc.contact_intervals(*pair)
         assert (dip.start, dip.end) == pytest.approx((0.5 - half, 0.5 + half), abs=1e-11)
+        hit = fc.first_contact(*pair)
+        assert hit.status is fc.Status.CONTACT and hit.time == pytest.approx(0.5 - half, abs=1e-11)
+        lowest = [away[0] - 1.5 * np.sin(np.radians(60 * hit.time - 30)), away[1] + float(advance) * hit.time]
+        assert hit.point == pytest.approx([*lowest, away[2] + 0.02], abs=1e-8)

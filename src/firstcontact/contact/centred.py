@@ -39,11 +39,19 @@ _COPIES = Kept[dict[tuple[Vector, str | None], Any]]()
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
     """What `answer` tells of the query."""
     by = _shift(query, FAR)
-    if by is None:
-        return answer(query)
+    return answer(query) if by is None else _carried_back(answer(_shifted(query, by)), by, query)
+
+
+def first_anew(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact | None:
+    """As `first`, of bodies that are not at the origin, for what doubles left open; None where they are there."""
+    by = _shift(query, BESIDE)
+    return None if by is None or not any(by) else _carried_back(answer(_shifted(query, by)), by, query)
+
+
+def _carried_back(found: FirstContact, by: Vector, query: Query) -> FirstContact:
     back = np.eye(4)
     back[:3, 3] = [-to_double(c) for c in by]
-    return carried(answer(_shifted(query, by)), lambda time: back, query.a, query.b)
+    return carried(found, lambda time: back, query.a, query.b)
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:

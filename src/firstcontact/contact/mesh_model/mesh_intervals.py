@@ -29,9 +29,9 @@ from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.convex.mesh_advance import BACK, Swept
-from firstcontact.timeline.answers import proved_intervals
+from firstcontact.timeline.answers import likely_time, proved_intervals
 from firstcontact.timeline.lasting import Solid
-from firstcontact.timeline.sweep import Found, Sweep, Touch
+from firstcontact.timeline.sweep import Found, Open, Sweep, Touch
 from firstcontact.work import Query, Spent, Work
 
 
@@ -72,7 +72,27 @@ def _reach(found: ContactIntervals) -> float:
     return found.free_until
 
 
+@ignoring_idle_turns
+def first_by_points(query: Query) -> FirstContact:
+    """The first contact as intervals tell it: with a point proved to be common at once after it, but no elements."""
+    try:
+        found = _sweep_of(query, query.work()).first()
+    except Open as stopped:
+        raise UnsupportedPair(f"no common point is proved at {stopped.time}") from stopped
+    if found is None:
+        return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(), **query.shared)
+    times = found.lo, found.hi
+    return FirstContact(
+        Status.CONTACT, time=likely_time(times), time_interval=times, point=found.point, free_until=found.lo,
+        stats=query.stats(), **query.shared,
+    )  # fmt: skip
+
+
 def _all_contacts(query: Query, work: Work) -> Found:
+    return _sweep_of(query, work).run()
+
+
+def _sweep_of(query: Query, work: Work) -> _MeshSweep:
     a, b = query.bodies
     mesh_is_a = isinstance(shape_of(a), Polyhedron)
     moving_mesh, moving_model = (a, b) if mesh_is_a else (b, a)
@@ -92,13 +112,25 @@ def _all_contacts(query: Query, work: Work) -> Found:
 
     sweep = _MeshSweep(free, lasting, parts, width, work, touches_at_start)
     sweep.exactly = exactly
-    return sweep.run()
+    return sweep
 
 
 class _MeshSweep(Sweep[Window]):
     """Where doubles do not tell when contact begins, exact arithmetic is asked for the first one between two times."""
 
     exactly: Callable[[float, float], FirstContact]
+
+    def first(self) -> Touch | None:
+        """The first contact after a start that is free; None where there is none.  Raises Open."""
+        for window in self.windows:
+            if not self.free.at(window, window.first):
+                raise Open(window.first)
+            found = self.touch(window, window.first, window.last)
+            if found is not None and not found.sure:
+                raise Open(found.lo)
+            if found is not None:
+                return found
+        return None
 
     def touch(self, window: Window, t: float, end: float) -> Touch | None:
         found = super().touch(window, t, end)
