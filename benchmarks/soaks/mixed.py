@@ -8,6 +8,7 @@ from .piercing import pierced
 from .rounds import circling, pinned, straight
 from .scene import Kind
 from .solid_shapes import CREASED, MESHES, SOLIDS, any_half_space
+from .stairs import stairs_and_pin
 from .starts import graze, known_start, nested, shallow
 
 PARTNERS = (*SOLIDS, any_half_space)
@@ -45,4 +46,7 @@ KINDS: tuple[Kind, ...] = (
     Kind("mixed/pin in a bore", "pin mesh, csg", lambda rng: pinned(rng, True),
          "false contacts at clearances down to 1e-12, missed ones where the pin fits exactly or not at all",
          "pins that tilt"),
+    Kind("mixed/stairs and a pin", "pin, mesh", stairs_and_pin,
+         "late first contacts among many triangles, wrong or undecided intervals at tips, rims and edges, far off too",
+         "contact of depths below 1e-8, times nearer to an end than 1e-5 of what lies between two"),
 )

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 FAR = 2.0**10
 """Sizes of the smaller body from the origin beyond which the world is shifted: ten of the 53 bits are lost there."""
+BESIDE = 2.0
+"""Sizes beyond which shifting gains any digits at all."""
 
 _Place = tuple[float, tuple[float, ...], float]
 """Size, middle, and the greatest coordinate of it; ordered by size."""
@@ -36,26 +38,42 @@ _COPIES = Kept[dict[tuple[Vector, str | None], Any]]()
 
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
     """What `answer` tells of the query."""
-    by = _shift(query)
-    if by is None:
-        return answer(query)
+    by = _shift(query, FAR)
+    return answer(query) if by is None else _carried_back(answer(_shifted(query, by)), by, query)
+
+
+def first_anew(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact | None:
+    """As `first`, of bodies that are not at the origin, for what doubles left open; None where they are there."""
+    by = _shift(query, BESIDE)
+    return None if by is None or not any(by) else _carried_back(answer(_shifted(query, by)), by, query)
+
+
+def _carried_back(found: FirstContact, by: Vector, query: Query) -> FirstContact:
     back = np.eye(4)
     back[:3, 3] = [-to_double(c) for c in by]
-    return carried(answer(_shifted(query, by)), lambda time: back, query.a, query.b)
+    return carried(found, lambda time: back, query.a, query.b)
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
     """What `answer` tells of the query."""
-    by = _shift(query)
-    if by is None:
-        return answer(query)
-    return replace(answer(_shifted(query, by)), a=query.a, b=query.b)
+    by = _shift(query, FAR)
+    return answer(query) if by is None else _back(answer(_shifted(query, by)), query)
 
 
-def _shift(query: Query) -> Vector | None:
-    """What brings the smaller body to the origin; None where it is near."""
+def intervals_anew(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals | None:
+    """As `intervals`, of bodies that are not at the origin, for what doubles left open; None where they are there."""
+    by = _shift(query, BESIDE)
+    return None if by is None or not any(by) else _back(answer(_shifted(query, by)), query)
+
+
+def _back(found: ContactIntervals, query: Query) -> ContactIntervals:
+    return replace(found, a=query.a, b=query.b)
+
+
+def _shift(query: Query, far: float) -> Vector | None:
+    """What brings the smaller body to the origin; None where it is within so many of its sizes."""
     size, middle, reach = min(_place(shape_of(query.a), query), _place(shape_of(query.b), query))
-    if reach <= FAR * size:
+    if reach <= far * size:
         return None
     return to_origin(middle, size)
 

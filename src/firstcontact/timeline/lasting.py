@@ -73,7 +73,7 @@ class Solid:
         """(n,) about how far the points centre + steps (n, 3) are from inside, negative inside; forms: as placed."""
         image = forms @ np.append(centre, 1.0)
         value = image[:, :3] @ centre + image[:, 3]
-        bent = np.einsum("ni,sij,nj->sn", steps, forms[:, :3, :3], steps, optimize=True)
+        bent = np.einsum("sni,ni->sn", steps @ forms[:, :3, :3], steps)
         return tree_height(self.model.tree, value[:, None] + 2.0 * image[:, :3] @ steps.T + bent)
 
     def slopes(self, forms: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -106,6 +106,12 @@ class Lasting(Generic[P]):
     def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> P | None:
         """A point proved inside both bodies at t, about as deep as can be near one of the seeds."""
         raise NotImplementedError
+
+    def each_held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[P]:
+        """Such points, of which another one may be followed farther than the first."""
+        found = self.held(window, t, seeds)
+        if found is not None:
+            yield found
 
     def follow(self, window: Window, t: float, end: float, point: P) -> np.ndarray | None:
         """Where the point comes to, if it is proved to be in both bodies over [t, end]."""
@@ -140,20 +146,22 @@ class Lasting(Generic[P]):
             if t >= end:
                 break
             step()
-            found = self.held(window, t, [point])
-            if found is None:
-                break
+            known: list[P] = []
+            more = self.each_held(window, t, [point])
             length = min(length, end - t)
             while True:
                 shortest = max(least * longest, 4.0 * (np.nextafter(abs(t), np.inf) - abs(t)))
-                if length < shortest and length < end - t:
-                    return t, self.place(window, t, found)
+                if known and length < shortest and length < end - t:
+                    return t, self.place(window, t, known[0])
                 later = end if length >= end - t else t + length
-                there = self.follow(window, t, later, found)
+                followed = (self.follow(window, t, later, x) for x in _all(known, more))
+                there = next((x for x in followed if x is not None), None)
                 if there is not None:
                     break
+                if not known:
+                    return t, point
                 if longest == 0.0 and length < 1e-18 * (end - t):
-                    return t, self.place(window, t, found)
+                    return t, self.place(window, t, known[0])
                 length *= SHRINKAGE
             point = there
             longest, t, length = max(longest, later - t), later, GROWTH * length
@@ -289,6 +297,14 @@ class LastingOfModels(Lasting[np.ndarray]):
     def _height(self, forms: list[np.ndarray], centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """(n,) about how far the points centre + steps are from inside both models, negative inside."""
         return np.maximum(*(s.height(form, centre, steps) for s, form in zip(self.solids, forms, strict=True)))
+
+
+def _all(known: list[P], more: Iterator[P]) -> Iterator[P]:
+    """What is known, then what is to come, which is known then."""
+    yield from tuple(known)
+    for x in more:
+        known.append(x)
+        yield x
 
 
 def descended(

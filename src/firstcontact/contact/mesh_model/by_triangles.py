@@ -75,6 +75,12 @@ def first(query: Query) -> FirstContact:
     return answered([Way("by triangles", lambda query, _: _Answer(query).answer())], query)
 
 
+@ignoring_idle_turns
+def first_in_doubles(query: Query) -> FirstContact:
+    """As `first`, UNDECIDED where exact arithmetic would be asked."""
+    return _Answer(query, in_doubles=True).answer()
+
+
 def windows_of(a: Body, b: Body, first: fmpq, last: fmpq) -> list[Window]:
     try:
         return windows(a, b, first, last)
@@ -101,8 +107,8 @@ def holds_model(search: MeshSearch, mesh: Polyhedron, window: Window) -> bool | 
 class _Answer:
     """The way to an answer: what all its steps read."""
 
-    def __init__(self, query: Query) -> None:
-        self.query, self.exact, self.work = query, query.is_algebraic, query.work()
+    def __init__(self, query: Query, in_doubles: bool = False) -> None:
+        self.query, self.exact, self.work, self.in_doubles = query, query.is_algebraic, query.work(), in_doubles
         self.a, self.b, self.first, self.last = query.a, query.b, query.first, query.end
         self.span, self.shared = query.span, query.shared
         self.mesh_is_a = isinstance(shape_of(self.a), Polyhedron)
@@ -136,6 +142,8 @@ class _Answer:
             return self._contact(swept)
         if swept.status == "free":
             return None
+        if self.in_doubles:
+            return self._undecided(swept.free_until, "precision")
         try:
             found = tried(lambda: self._decided(window, swept, at_start))
             landed = tried(lambda: self._landed(window, swept)) if isinstance(found, Passed) else None

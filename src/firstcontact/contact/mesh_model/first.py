@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from firstcontact.contact.centred import first_anew
 from firstcontact.contact.mesh_model import as_polyhedra, by_triangles, mesh_intervals
-from firstcontact.contact.ways import Way, answered
+from firstcontact.contact.ways import Passed, Way, answered, decided
 from firstcontact.result import ContactIntervals, FirstContact
 from firstcontact.work import Query
 
@@ -13,10 +14,29 @@ def first(query: Query) -> FirstContact:
 
     Raises UnsupportedPair.
     """
-    if not as_polyhedra.are_taken(*query.bodies):
-        return by_triangles.first(query)
-    ways = [Way("as polyhedra", as_polyhedra.first), Way("by triangles", lambda query, _: by_triangles.first(query))]
+    ways = [
+        Way("as polyhedra", as_polyhedra.first, lambda query, _: as_polyhedra.are_taken(*query.bodies)),
+        Way("by triangles in doubles", _in_doubles, _may_be_in_doubles),
+        Way("near the origin", _near_origin, _may_be_in_doubles),
+        Way("by triangles", lambda query, _: decided(by_triangles.first(query), query)),
+        Way("by points", lambda query, _: mesh_intervals.first_by_points(query), _may_be_in_doubles),
+    ]
     return answered(ways, query)
+
+
+def _may_be_in_doubles(query: Query, _: FirstContact | None) -> bool:
+    """Whether doubles are asked before exact arithmetic is: it takes all that a caller's budget allows."""
+    return not query.is_algebraic and query.budget is None
+
+
+def _in_doubles(query: Query, _: FirstContact | None) -> FirstContact | Passed:
+    return decided(by_triangles.first_in_doubles(query), query)
+
+
+def _near_origin(query: Query, _: FirstContact | None) -> FirstContact | Passed:
+    """Of bodies away from it what doubles left open, told from more digits."""
+    found = first_anew(by_triangles.first_in_doubles, query)
+    return Passed("they are at the origin") if found is None else decided(found, query)
 
 
 def intervals(query: Query) -> ContactIntervals:

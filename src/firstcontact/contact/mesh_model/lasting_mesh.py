@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from flint import arb
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.mesh_model.tip_ways import Pierced, TipWays
 from firstcontact.exact.numbers import Undecidable, exact_value, precision
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.trees.containment import contains
@@ -34,10 +35,12 @@ class MeshPoint(NamedTuple):
     off: float
 
 
-class LastingOfMesh(Lasting[MeshPoint]):
-    def __init__(self, mesh: Polyhedron, solid: Solid, mesh_is_a: bool) -> None:
+class LastingOfMesh(Lasting["MeshPoint | Pierced"]):
+    """tips: tells of triangles that tips of the model have passed, if it is there."""
+
+    def __init__(self, mesh: Polyhedron, solid: Solid, mesh_is_a: bool, tips: TipWays | None = None) -> None:
         super().__init__()
-        self.mesh, self.solid, self.mesh_is_a = mesh, solid, mesh_is_a
+        self.mesh, self.solid, self.mesh_is_a, self.tips = mesh, solid, mesh_is_a, tips
         self.tree = tree_of(mesh)
         self.corners = mesh.vertices[self.tree.corners]
         self.off = mesh.error + 32.0 * U * float(np.abs(mesh.vertices).max())
@@ -74,22 +77,34 @@ class LastingOfMesh(Lasting[MeshPoint]):
 
     # -- the proof ------------------------------------------------------------------------------------------
 
-    def follow(self, window: Window, t: float, end: float, point: MeshPoint) -> np.ndarray | None:
+    def follow(self, window: Window, t: float, end: float, point: MeshPoint | Pierced) -> np.ndarray | None:
         if not self._stays(window, t, end, point):
             return None
         return self.place(window, end, point)
 
-    def place(self, window: Window, t: float, point: MeshPoint) -> np.ndarray:
-        p = self.pose(self._motions(window)[0], t)
-        place: np.ndarray = linear(p) @ point.local + p[9:12]
+    def place(self, window: Window, t: float, point: MeshPoint | Pierced) -> np.ndarray:
+        own, other = self._motions(window)
+        if isinstance(point, Pierced):
+            assert self.tips is not None
+            p, local = self.pose(other, t), self.tips.place(point, self._from_model(window, t))
+        else:
+            p, local = self.pose(own, t), point.local
+        place: np.ndarray = linear(p) @ local + p[9:12]
         return place
+
+    def _from_model(self, window: Window, t: float) -> np.ndarray:
+        """The pose (3, 4) of the polyhedron seen from the model, rounded."""
+        p, q = (self.pose(m, t) for m in self._motions(window))
+        return np.linalg.solve(linear(q), np.column_stack([linear(p), p[9:12] - q[9:12]]))
 
     def _motions(self, window: Window) -> tuple[np.ndarray, np.ndarray]:
         """Of the polyhedron, of the model."""
         return (window.a, window.b) if self.mesh_is_a else (window.b, window.a)
 
-    def _stays(self, window: Window, t: float, end: float, point: MeshPoint) -> bool:
+    def _stays(self, window: Window, t: float, end: float, point: MeshPoint | Pierced) -> bool:
         """Whether the model is proved to hold the point over [t, end]."""
+        if isinstance(point, Pierced):
+            return self.tips is not None and self.tips.stays(window, t, end, point)
         own, other = self._motions(window)
         q = self.pose(other, t)
         y = np.linalg.solve(linear(q), self.place(window, t, point) - q[9:12])
@@ -102,7 +117,17 @@ class LastingOfMesh(Lasting[MeshPoint]):
     def anywhere(self, window: Window, t: float) -> np.ndarray | None:
         return self.deepest(window, t, [])
 
-    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> MeshPoint | None:
+    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> MeshPoint | Pierced | None:
+        return next(self.each_held(window, t, seeds), None)
+
+    def each_held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[MeshPoint | Pierced]:
+        if self.tips is not None:
+            yield from self.tips.found(window, t, self._from_model(window, t))
+        deep = self._deep(window, t, seeds)
+        if deep is not None:
+            yield deep
+
+    def _deep(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> MeshPoint | None:
         own, other = self._motions(window)
         p, q = self.pose(own, t), self.pose(other, t)
         back = np.linalg.inv(linear(p))

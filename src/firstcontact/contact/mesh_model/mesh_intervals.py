@@ -7,26 +7,31 @@ by parity, which does not change with time; so only the model has to hold it ove
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.contact.centred import intervals_anew
 from firstcontact.contact.mesh_model.by_triangles import first, holds_model, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
+from firstcontact.contact.mesh_model.tip_ways import TipWays
 from firstcontact.contact.models.certified import bounded
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
-from firstcontact.contact.ways import Way, answered
+from firstcontact.contact.ways import Passed, Way, answered, decided, is_proved
 from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.moving import shape_of
+from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.stretches import Window
-from firstcontact.result import ContactIntervals
+from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.convex.mesh_advance import BACK, Swept
-from firstcontact.timeline.answers import proved_intervals
+from firstcontact.timeline.answers import likely_time, proved_intervals
 from firstcontact.timeline.lasting import Solid
-from firstcontact.timeline.sweep import Found, Sweep
+from firstcontact.timeline.sweep import Found, Open, Sweep, Touch
 from firstcontact.work import Query, Spent, Work
 
 
@@ -40,15 +45,54 @@ def intervals(query: Query) -> ContactIntervals:
         raise UnsupportedPair(
             "contact intervals of meshes with curved models are not exact; drop exact=True and method='algebraic'"
         )
-    return answered([Way("by triangles", _by_triangles)], query)
+    ways = [
+        Way("by triangles", lambda query, _: decided(_by_triangles(query), query)),
+        Way("by triangles near the origin", _near_origin, is_proved),
+    ]
+    return answered(ways, query)
 
 
-def _by_triangles(query: Query, _: None) -> ContactIntervals:
+def _by_triangles(query: Query) -> ContactIntervals:
     work = query.work()
     return proved_intervals(_all_contacts(query, work), work, query)
 
 
+def _near_origin(query: Query, proved: ContactIntervals) -> ContactIntervals | Passed:
+    """Of bodies away from it what doubles left open, told from more digits."""
+    found = intervals_anew(_by_triangles, query)
+    if found is None:
+        return Passed("they are at the origin")
+    if found.status is Status.UNDECIDED and _reach(found) < _reach(proved):
+        return Passed(str(found.reason), proved)
+    return decided(found, query)
+
+
+def _reach(found: ContactIntervals) -> float:
+    assert found.free_until is not None
+    return found.free_until
+
+
+@ignoring_idle_turns
+def first_by_points(query: Query) -> FirstContact:
+    """The first contact as intervals tell it: with a point proved to be common at once after it, but no elements."""
+    try:
+        found = _sweep_of(query, query.work()).first()
+    except Open as stopped:
+        raise UnsupportedPair(f"no common point is proved at {stopped.time}") from stopped
+    if found is None:
+        return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(), **query.shared)
+    times = found.lo, found.hi
+    return FirstContact(
+        Status.CONTACT, time=likely_time(times), time_interval=times, point=found.point, free_until=found.lo,
+        stats=query.stats(), **query.shared,
+    )  # fmt: skip
+
+
 def _all_contacts(query: Query, work: Work) -> Found:
+    return _sweep_of(query, work).run()
+
+
+def _sweep_of(query: Query, work: Work) -> _MeshSweep:
     a, b = query.bodies
     mesh_is_a = isinstance(shape_of(a), Polyhedron)
     moving_mesh, moving_model = (a, b) if mesh_is_a else (b, a)
@@ -56,12 +100,49 @@ def _all_contacts(query: Query, work: Work) -> Found:
     mesh, model = shape_of(moving_mesh), shape_of(moving_model)
     parts = windows_of(a, b, query.first, query.end)
     width = query.tolerance * (parts[-1].last - parts[0].first)
-    free, lasting = _Free(mesh, model, mesh_is_a, width, work), LastingOfMesh(mesh, Solid(model), mesh_is_a)
+    tips = TipWays(mesh, model, curved_pieces(moving_mesh, moving_model, query.first, query.end), parts)
+    free, lasting = _Free(mesh, model, mesh_is_a, width, work), LastingOfMesh(mesh, Solid(model), mesh_is_a, tips)
 
     def touches_at_start() -> np.ndarray | None:
         return first(replace(query, last=query.first, budget=None, progress=None)).point
 
-    return Sweep(free, lasting, parts, width, work, touches_at_start).run()
+    def exactly(t: float, end: float) -> FirstContact:
+        span = max(exact_value(t), query.first), min(exact_value(end), query.end)
+        return first(replace(query, first=span[0], last=span[1], budget=work.left))
+
+    sweep = _MeshSweep(free, lasting, parts, width, work, touches_at_start)
+    sweep.exactly = exactly
+    return sweep
+
+
+class _MeshSweep(Sweep[Window]):
+    """Where doubles do not tell when contact begins, exact arithmetic is asked for the first one between two times."""
+
+    exactly: Callable[[float, float], FirstContact]
+
+    def first(self) -> Touch | None:
+        """The first contact after a start that is free; None where there is none.  Raises Open."""
+        for window in self.windows:
+            if not self.free.at(window, window.first):
+                raise Open(window.first)
+            found = self.touch(window, window.first, window.last)
+            if found is not None and not found.sure:
+                raise Open(found.lo)
+            if found is not None:
+                return found
+        return None
+
+    def touch(self, window: Window, t: float, end: float) -> Touch | None:
+        found = super().touch(window, t, end)
+        if found is None or found.sure or not any(window is x for x in self.windows):  # a mirror is none of these
+            return found
+        hit = self.exactly(found.lo, end)
+        if hit.status is Status.FREE:
+            return None
+        assert hit.free_until is not None
+        lo = min(max(found.lo, hit.free_until), math.nextafter(end, t))
+        hi, point = self._soon(window, lo, min(window.inner, end), [] if hit.point is None else [hit.point])
+        return Touch(lo, hi, point is not None, hi, point)
 
 
 class _Free:
@@ -87,7 +168,10 @@ class _Free:
         if found.status == "free":
             return end, []
         until = min(max(t, found.free_until), math.nextafter(end, t))
-        return until, [] if found.touch is None else [found.touch.point]
+        if found.touch is not None:
+            return until, [found.touch.point]
+        first_open = min(found.open, key=lambda x: x.free_until, default=None)
+        return until, [] if first_open is None else [self.search.nearest(first_open, window)]
 
     def near_start(self, window: Window) -> list[np.ndarray]:
         found = self._paid(self.search.at_start(window))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from dataclasses import replace
 
+from firstcontact.contact.polyhedra.advancing_prisms import without_advance
 from firstcontact.contact.polyhedra.answers import (
     JoinedInterval,
     contact_of,
@@ -19,6 +20,7 @@ from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.prisms import Apart, in_one_plane
 from firstcontact.contact.polyhedra.problems.problem import far_apart, problem_of, problems_in_order, stretches
+from firstcontact.contact.polyhedra.sharpened import sharpened
 from firstcontact.contact.ways import Passed, Way, answered, decided
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
@@ -88,15 +90,26 @@ def intervals(query: Query) -> ContactIntervals:
 
 
 def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
-    """Of prisms along the normal of a plane in which they move, and of parts that lie on each other there."""
+    """Of prisms along the normal of a plane in which they move, or along which they also advance, and of parts that lie
+    on each other there."""
     if not any(isinstance(piece, CurvedPiece) for piece in _pieces(query)):
         return Passed("shifts and turns are exact")
     other = in_one_plane(query)
+    other = without_advance(query) if other is None else other
     if other is None:
         return Passed("they are no prisms that move in one plane, nor is one on the other")
     if isinstance(other, Apart):
         return ContactIntervals((), Status.FREE, query.span[1], None, _timed(NO_WORK, query.begin), **query.shared)
-    return decided(replace(_contact_intervals(other), **query.shared), query)
+    return decided(_in_longer_span(_contact_intervals(other), other, query), query)
+
+
+def _in_longer_span(found: ContactIntervals, asked: Query, query: Query) -> ContactIntervals:
+    """The answer to a query whose bodies are apart at all times before and after those that were asked about."""
+    later = found.status is Status.INITIAL_CONTACT and asked.first > query.first
+    return replace(
+        found, status=Status.CONTACT if later else found.status,
+        free_until=query.span[1] if found.status is Status.FREE else found.free_until, **query.shared,
+    )  # fmt: skip
 
 
 def _by_trees_soon(query: Query, _: None) -> ContactIntervals | Passed:
@@ -118,11 +131,13 @@ def _are_small_and_convex(query: Query) -> bool:
 
 
 def _as_solids(query: Query, _: ContactIntervals) -> ContactIntervals | Passed:
-    """What these tell; what trees proved stands where they tell no more."""
+    """What these tell, to the digits of trees where these tell more; what trees proved stands where solids do not."""
     from firstcontact.contact.models.first import intervals as of_solids
 
     found = of_solids(replace(query, method="certified"))
-    return found if found.status is not Status.UNDECIDED else Passed(str(found.reason))
+    if found.status is Status.UNDECIDED:
+        return Passed(str(found.reason))
+    return sharpened(found, query, lambda part: _contact_intervals(part.limited(SOON)))
 
 
 def _contact_intervals(query: Query) -> ContactIntervals:

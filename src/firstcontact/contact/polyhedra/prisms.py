@@ -47,7 +47,7 @@ def in_one_plane(query: Query) -> Query | Apart | None:
     if normal is None:
         return None
     bodies = shape_of(query.a), shape_of(query.b)
-    of_a, of_b = (_heights(body, normal) for body in bodies)
+    of_a, of_b = (heights_of(body, normal) for body in bodies)
     if not of_a or not of_b:
         return None
     (least, most), (low, high) = ((min(heights), max(heights)) for heights in (of_a, of_b))
@@ -58,16 +58,16 @@ def in_one_plane(query: Query) -> Query | Apart | None:
             face_a, face_b = region_at(bodies[0], normal, of_a, level), region_at(bodies[1], normal, of_b, level)
             if face_a is None or face_b is None:
                 return None
-            tall = _along(face_a, normal, level - 2, level + 2, query.a)
-            return replace(query, a=tall, b=_along(face_b, normal, level - 1, level + 1, query.b))
-    base = _base(bodies[0], normal, of_a)
-    if base is None or _base(bodies[1], normal, of_b) is None:
+            tall = along(face_a, normal, level - 2, level + 2, query.a)
+            return replace(query, a=tall, b=along(face_b, normal, level - 1, level + 1, query.b))
+    base = base_of(bodies[0], normal, of_a)
+    if base is None or base_of(bodies[1], normal, of_b) is None:
         return None
     room = 1 + high - low
-    return replace(query, a=_along(base, normal, low - room, high + room, query.a))
+    return replace(query, a=along(base, normal, low - room, high + room, query.a))
 
 
-def _heights(body: Body, normal: Vector) -> list[fmpq]:
+def heights_of(body: Body, normal: Vector) -> list[fmpq]:
     """Of its vertices; none of bodies that are not looked at."""
     if not isinstance(body, Polyhedron) or body.irrational_pose is not None or len(body.vertices) > MOST_VERTICES:
         return []
@@ -91,7 +91,7 @@ def _simple(motion: AnyMotion) -> list[Any]:
     return [motion]
 
 
-def _base(body: Polyhedron, normal: Vector, heights: list[fmpq]) -> Region | None:
+def base_of(body: Polyhedron, normal: Vector, heights: list[fmpq]) -> Region | None:
     """The lower face of a body that is all that stands between its level faces, or lies in one plane and has inner
     points there; None of others.
 
@@ -128,7 +128,7 @@ def _walls_are_whole(body: Polyhedron, normal: Vector, heights: list[fmpq]) -> b
     return all(len(x) == 2 and x[0] * x[1] < 0 for x in beyond.values())
 
 
-def _along(region: Region, normal: Vector, least: fmpq, most: fmpq, body: Body) -> Body:
+def along(region: Region, normal: Vector, least: fmpq, most: fmpq, body: Body) -> Body:
     """The prism of a region from one height to another, with the name and the motion of a body."""
     n, square = len(region.points), dot(normal, normal)
     vertices = [

@@ -20,7 +20,7 @@ from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.contact.ruled.implicants import Signs, Term, implicants
 from firstcontact.contact.signs.conditions import Conditions, Range, conditions
-from firstcontact.contact.signs.fibres import Fibre, count
+from firstcontact.contact.signs.fibres import Fibre, Moment, count
 from firstcontact.contact.signs.sheets import Sheet, TooLarge, candidates, critical_times, instants, samples, sheets
 from firstcontact.contact.signs.times import Times, roots_of
 from firstcontact.contact.ways import Passed, tried
@@ -105,10 +105,10 @@ class ContactCondition:
         """The cells that the borders bound at a time between every two critical ones."""
         c, found = self._conditions, []
         for t in samples(candidates(critical, *_limits(critical, self._span)), self._span):
-            now, at_t, cells = AlgebraicRoot.of(t), c if all(c.bounded) else c.at(t), []
+            now, moment, at_t, cells = AlgebraicRoot.of(t), Moment(t), c if all(c.bounded) else c.at(t), []
             walls = [univariate(at(b, 2, t), 0) for b in borders]  # positive multiples of the borders at the time
             for u in samples(roots_of(walls, c.u), c.u):
-                number = count(at_t, AlgebraicRoot.of(u), now)
+                number = count(at_t, AlgebraicRoot.of(u), now, moment)
                 signs = tuple(sign(wall(u)) for wall in walls)
                 cells.append(Cell(fraction(u), fraction(t), signs, number, self._admits(number)))
             found.append(cells)

@@ -6,21 +6,37 @@ import math
 from dataclasses import dataclass, field
 from functools import reduce
 
-from flint import fmpq, fmpz_mpoly, fmpz_poly
+from flint import fmpq, fmpq_poly, fmpz_mpoly, fmpz_poly
 
 from firstcontact.contact.signs.conditions import Conditions
 from firstcontact.contact.signs.sheets import samples
 from firstcontact.exact.fields.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.polynomials import bivariate
-from firstcontact.exact.polynomials.trivariate import at, terms, univariate
+from firstcontact.exact.polynomials.trivariate import at, coefficients, terms, univariate
+
+
+class Moment:
+    """One rational T, for many u: what is left then of polynomials in u, v and T, as those in u by powers of v."""
+
+    def __init__(self, t: fmpq) -> None:
+        self.t = t
+        self._known: dict[int, tuple[fmpz_mpoly, list[fmpz_poly]]] = {}
+
+    def over(self, f: fmpz_mpoly, u: fmpq) -> fmpz_poly:
+        """A positive multiple of f there, in v."""
+        if id(f) not in self._known:
+            self._known[id(f)] = f, [univariate(p, 0) for p in coefficients(at(f, 2, self.t), 1)]
+        return fmpq_poly([p(u) for p in self._known[id(f)][1]]).numer()
 
 
 @dataclass(frozen=True)
 class Fibre:
-    """All v over one u and T: what is left there of polynomials in u, v and T."""
+    """All v over one u and T: what is left there of polynomials in u, v and T.  moment: of T, where that is rational
+    and it is known already."""
 
     u: AlgebraicRoot
     t: AlgebraicRoot
+    moment: Moment | None = None
     _known: dict[int, tuple[fmpz_mpoly, fmpz_poly | fmpz_mpoly]] = field(default_factory=dict)
 
     def zeros(self, f: fmpz_mpoly) -> fmpz_poly:
@@ -50,6 +66,8 @@ class Fibre:
         return self._known[id(f)][1]
 
     def _rest(self, f: fmpz_mpoly) -> fmpz_poly | fmpz_mpoly:
+        if self.moment is not None and self.u.rational is not None:
+            return self.moment.over(f, self.u.rational)
         if self.t.rational is not None:
             f = at(f, 2, self.t.rational)
         if self.u.rational is not None:
@@ -59,13 +77,13 @@ class Fibre:
         return bivariate.polynomial({(i + k, j): c for (i, j, k), c in terms(f)})
 
 
-def count(c: Conditions, u: AlgebraicRoot, t: AlgebraicRoot) -> float:
-    """The number of v that meet the ruling u at the time t; infinite for a range of them."""
+def count(c: Conditions, u: AlgebraicRoot, t: AlgebraicRoot, moment: Moment | None = None) -> float:
+    """The number of v that meet the ruling u at the time t; infinite for a range of them.  moment: as for a Fibre."""
     if c.u is not None and not (u.compare(c.u[0]) >= 0 and u.compare(c.u[1]) <= 0):
         return 0
     if not all(c.bounded) and t.rational is not None and c.moment != t.rational:
         c = c.at(t.rational)  # of whole rulings, which may lose a factor then
-    fibre, found = Fibre(u, t), 0
+    fibre, found = Fibre(u, t, moment), 0
 
     def meets(conditions: Conditions, v: AlgebraicRoot) -> bool:
         return conditions.holds(lambda f: fibre.sign(f, v))

@@ -20,8 +20,10 @@ from firstcontact.kernels.convex.advancement import (
     BY_VERTEX_B,
     CONTACT,
     INITIAL,
+    directed,
 )
-from firstcontact.kernels.convex.flat import CORNERS, ROWS, SIDES
+from firstcontact.kernels.convex.candidate import witness
+from firstcontact.kernels.convex.flat import CORNERS, ROWS, SIDES, write_triangle
 from firstcontact.kernels.convex.mesh_walk import (
     COUNT,
     FULL,
@@ -43,6 +45,7 @@ from firstcontact.kernels.workspace import (
     LO,
     MODE,
     NORMAL,
+    OF_A,
     POINT,
     POSE_A,
     POSE_B,
@@ -183,6 +186,20 @@ class MeshSearch:
         mesh, model = self._motions(window)
         proved, *x = point_inside(self.rows, mesh, self.pieces.array, j, model, window.first, self.workspace)
         return tuple(x) if proved else None
+
+    def nearest(self, x: Open, window: Window) -> np.ndarray:
+        """(3,) about where in the world an open triangle is nearest to its piece when it is last proved free."""
+        mesh, model = self._motions(window)
+        found, least = np.zeros(3), math.inf
+        for part in np.flatnonzero(self.tree.ids[:, 0] == x.primitive):
+            write_triangle(self.rows, self.tree.xyz[part], self.tree.error)
+            distance, *_, count, _ = directed(
+                self.rows, 0, mesh, self.pieces.array, x.piece, model, x.free_until, 1.0, 0.0, 0.0,
+                self.workspace, self.counters,
+            )  # fmt: skip
+            if distance < least:
+                found, least = np.array(witness(self.workspace, count, OF_A)), distance
+        return found
 
     def oriented(self, n: np.ndarray, window: Window, t: float, place: np.ndarray) -> np.ndarray | None:
         """A unit normal (3,) of both bodies where they touch, in the world, as it points from the mesh to the model.

@@ -22,7 +22,7 @@ def at_tips(own: Solid, other: Solid) -> Relation | None:
     """What the tips of either piece tell; None where that is nothing."""
     if tip_inside(own, other) is not None:
         return Relation.OVERLAPPING
-    tips = list(_tips(own)), list(_tips(other))
+    tips = list(tips_of(own)), list(tips_of(other))
     known = [_beyond(tip, form) for mine, theirs in ((tips[0], other[0]), (tips[1], own[0]))
              for tip in mine for form in theirs]  # fmt: skip
     known += [_face_to_face(tip, far) for tip in tips[0] for far in tips[1]]
@@ -34,7 +34,7 @@ def at_tips(own: Solid, other: Solid) -> Relation | None:
 
 def tip_inside(own: Solid, other: Solid) -> Vector | None:
     """The tip of one piece that lies inside the other."""
-    known = ((tip.point, theirs[0]) for mine, theirs in ((own, other), (other, own)) for tip in _tips(mine))
+    known = ((tip.point, theirs[0]) for mine, theirs in ((own, other), (other, own)) for tip in tips_of(mine))
     return next((point for point, forms in known if is_inside(forms, point)), None)
 
 
@@ -43,13 +43,13 @@ def is_inside(forms: Sequence[Surface], x: Sequence[fmpq]) -> bool:
     return all(form.value((*x, ONE)) < 0 for form in forms)
 
 
-class _Tip:
-    """The tip of a cone that a piece has: point; dual: inverse of the cone's second-order part; inward: into the cone;
-    normal: one in the polar cone.
+class Tip:
+    """The tip of a cone that a piece has: point; dual: inverse of the cone's second-order part; witness: a point inside
+    the piece; inward: to it; normal: one in the polar cone.
     """
 
     def __init__(self, block: Rows, point: Vector, witness: Sequence[fmpq]) -> None:
-        self.point, self.dual = point, inverse(block)
+        self.point, self.dual, self.witness = point, inverse(block), witness
         self.inward = [w - p for w, p in zip(witness, point, strict=True)]
         self.normal = [dot(row, self.inward) for row in block]
 
@@ -58,17 +58,18 @@ class _Tip:
         return dot(n, self.inward) < 0 and dot(n, [dot(row, n) for row in self.dual]) <= 0
 
 
-def _tips(solid: Solid) -> Iterator[_Tip]:
+def tips_of(solid: Solid) -> Iterator[Tip]:
+    """Of the cones of a convex piece that end within it."""
     forms, witness = solid
     for form in forms:
         if not isinstance(form, Quadric) or (point := form.apex) is None or witness is None:
             continue
         block = tuple(tuple(row[:3]) for row in form.form[:3])
         if inertia(block) == (2, 1) and all(other.value(point) <= 0 for other in forms):
-            yield _Tip(block, point[:3], witness)
+            yield Tip(block, point[:3], witness)
 
 
-def _beyond(tip: _Tip, form: Surface) -> Relation | None:
+def _beyond(tip: Tip, form: Surface) -> Relation | None:
     """Whether the plane along the form's gradient at the tip parts the cone from the half-space."""
     if not isinstance(form, Plane) and inertia(tuple(tuple(row[:3]) for row in form.form[:3]))[1] > 0:
         return None
@@ -76,7 +77,7 @@ def _beyond(tip: _Tip, form: Surface) -> Relation | None:
     return _parted(form.value(x)) if tip.is_behind([-c for c in form.gradient(x)[:3]]) else None
 
 
-def _face_to_face(tip: _Tip, far: _Tip) -> Relation | None:
+def _face_to_face(tip: Tip, far: Tip) -> Relation | None:
     """The same of two tips."""
     between = [q - p for p, q in zip(tip.point, far.point, strict=True)]
     for n in (tip.normal, [-c for c in far.normal], between):
