@@ -105,10 +105,8 @@ def cores() -> int:
 def _ask(name: str) -> int:
     before = len(COMPILED)
     questions()[name]()
-    if compiled := len(COMPILED) - before:
-        gc.collect()  # not on the way, and what is left not again
-        gc.freeze()
-    return compiled
+    gc.freeze()  # garbage is not looked for, by nobody and not at the end: the process ends soon
+    return len(COMPILED) - before
 
 
 def _families() -> Iterator[Iterator[tuple[str, Question]]]:
