@@ -50,9 +50,9 @@ def entry_angle(motion, a, b, pad, first, last):
     return gap if gap <= last else np.inf
 
 
-def _events(
-    motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
-):
+@uncounted
+def turning_events(motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates):
+    """Those of `test_events`."""
     end = motion.shape[0] - 1
     cx, cy, first = motion[end, 0], motion[end, 1], floats[FIRST]
     points_only = (mask_a & POINT and mask_b & FACET) or (mask_b & POINT and mask_a & FACET)
@@ -139,7 +139,14 @@ def _test_events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
     if motion.ndim == 2:
-        return _events
+        def events(
+            motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
+        ):
+            turning_events(
+                motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
+            )
+
+        return events
     return None
 
 

@@ -67,9 +67,9 @@ def entry_time(motion, boxes_a, a, boxes_b, b, pad, first, last):
     return lo if lo <= hi else np.inf
 
 
-def _events(
-    motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
-):
+@inlined
+def shifting_events(motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates):
+    """Those of `test_events`."""
     v0, v1, v2 = motion[6], motion[7], motion[8]
     first = floats[FIRST]
     if mask_a & mask_b & FACET:
@@ -147,7 +147,14 @@ def _test_events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
     if motion.ndim == 1:
-        return _events
+        def events(
+            motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
+        ):
+            shifting_events(
+                motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
+            )
+
+        return events
     return None
 
 
