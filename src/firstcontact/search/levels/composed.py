@@ -22,8 +22,8 @@ import numpy as np
 from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.lifted.principal import CENTRE, RANK, box_columns, fit_box, form_range
 from firstcontact.kernels.selection import select
-from firstcontact.search.lifted.lifted_motion import test_pair
 from firstcontact.search.trees.state import CANDIDATES, DONE, FULL, LEAF_ROOM, SLICE_SPENT, VISITS
+from firstcontact.search.trees.walk import test_events
 
 WIDTH = 6
 """Entries of a vector; shorter ones end in zeros."""
@@ -213,7 +213,7 @@ def _test_all(levels, node, vectors, steps, s, waiting, q, questions, parts, mot
         if _is_ruled_out(vectors, steps, s, waiting, questions, q, edge):
             continue
         asked[edge] = q
-        test_pair(
+        test_events(
             motion, a[0], a[1], xyz_a[a[0]], parts[edge, 0], parts[edge, 1], xyz_b[parts[edge, 0]], sides,
             err_a, err_b, floats, integers, times, candidates,
         )  # fmt: skip

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.kernels.angle import ANGLE_EPS
-from firstcontact.kernels.jit import uncounted
+from firstcontact.kernels.jit import inlined, uncounted
 from firstcontact.kernels.lifted.query import write_segment, write_swept_edge, write_turned_edge, write_turned_point
 from firstcontact.kernels.lifted.swept_cell import axis_of, turns
 from firstcontact.search.trees.rotate import turning_events
@@ -48,7 +48,7 @@ def arc_of(motion: np.ndarray, floats: np.ndarray, arc: int) -> tuple[bool, bool
     return exists, over
 
 
-@uncounted
+@inlined
 def test_pair(motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates):
     """`test_events` of `search.trees.walk`."""
     if turns(motion):

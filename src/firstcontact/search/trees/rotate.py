@@ -50,9 +50,9 @@ def entry_angle(motion, a, b, pad, first, last):
     return gap if gap <= last else np.inf
 
 
-@uncounted
-def turning_events(motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates):
-    """Those of `test_events`."""
+def _events(
+    motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
+):
     end = motion.shape[0] - 1
     cx, cy, first = motion[end, 0], motion[end, 1], floats[FIRST]
     points_only = (mask_a & POINT and mask_b & FACET) or (mask_b & POINT and mask_a & FACET)
@@ -98,6 +98,10 @@ def turning_events(motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, 
                 record(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, v1, lo1, hi1)
 
 
+turning_events = uncounted(_events)
+"""`test_events` for callers whose motion may be a translation too."""
+
+
 @implements(earliest_meeting, 2)
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if motion.ndim == 2:
@@ -139,14 +143,7 @@ def _test_events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
     if motion.ndim == 2:
-        def events(
-            motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
-        ):
-            turning_events(
-                motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
-            )
-
-        return events
+        return _events
     return None
 
 

@@ -67,9 +67,9 @@ def entry_time(motion, boxes_a, a, boxes_b, b, pad, first, last):
     return lo if lo <= hi else np.inf
 
 
-@inlined
-def shifting_events(motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates):
-    """Those of `test_events`."""
+def _events(
+    motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
+):
     v0, v1, v2 = motion[6], motion[7], motion[8]
     first = floats[FIRST]
     if mask_a & mask_b & FACET:
@@ -116,6 +116,10 @@ def shifting_events(motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b,
                 record(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, verdict, lo, hi)
 
 
+shifting_events = uncounted(_events)
+"""`test_events` for callers whose motion may be a rotation too."""
+
+
 @implements(earliest_meeting, 1, inlined=True)
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if motion.ndim == 1:
@@ -147,14 +151,7 @@ def _test_events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
     if motion.ndim == 1:
-        def events(
-            motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
-        ):
-            shifting_events(
-                motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
-            )
-
-        return events
+        return _events
     return None
 
 
