@@ -20,7 +20,9 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 WITHIN = "firstcontact/kernels/compiled"
 # Bars of an ordinary laptop are a minute; a machine shared by many may take much longer.
 LIMIT = 1800.0
-COMPILE = "from firstcontact.warmup import cores, warm_together; warm_together(cores())"
+# It has no threads and imports once; elsewhere than on Linux, libraries of the system do not outlive a fork.
+BEGUN_BY = "fork" if sys.platform == "linux" else "spawn"
+COMPILE = f"from firstcontact.warmup import cores, warm_together; warm_together(cores(), begun_by={BEGUN_BY!r})"
 
 
 class CompiledKernels(BuildHookInterface):  # type: ignore[type-arg]
@@ -55,6 +57,7 @@ class CompiledKernels(BuildHookInterface):  # type: ignore[type-arg]
             "PYTHONPATH": os.pathsep.join([str(Path(self.root) / "src"), os.environ.get("PYTHONPATH", "")]),
             "NUMBA_CPU_NAME": "generic",
             "NUMBA_CPU_FEATURES": "",
+            "OPENBLAS_NUM_THREADS": "1",  # nothing is multiplied here
         }
         subprocess.run(
             [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True, timeout=LIMIT

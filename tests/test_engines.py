@@ -242,7 +242,7 @@ def test_elements_are_told_apart_once_each():
 def test_cells_of_paths_lose_no_meeting(rotating):
     """Triangles through a point of one of the paths, in doubles but for their rounding; thin and touching ones too."""
     rng = np.random.default_rng(11)
-    motion = np.zeros((3, 3)) if rotating else np.zeros(9)
+    motion = np.zeros((3, 3) if rotating else (1, 9))
     if rotating:
         motion[2, :2] = 0.25, -0.5
     left_out = 0

@@ -66,14 +66,16 @@ def warm(progress: Callable[[str], object] | None = None) -> int:
     return len(COMPILED) - before
 
 
-def warm_together(processes: int, progress: Callable[[str], object] | None = None) -> int:
+def warm_together(processes: int, progress: Callable[[str], object] | None = None, begun_by: str = "spawn") -> int:
     """The same by several processes, which share what they compile; `progress` is told what is done.
 
     Of a family one question is asked at a time: two would wait for each other at every kernel that both need.  Most
     families need what the first one compiles first, so they begin afterwards.
+
+    begun_by: how processes begin, a word of `multiprocessing`; a "fork" imports nothing again, and inherits threads
+    and locks of whoever calls.
     """
-    # spawned: a fork would inherit threads and locks of whoever calls
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn"), initializer=thrift.apply) as pool:
+    with ProcessPoolExecutor(processes, mp_context=get_context(begun_by), initializer=thrift.apply) as pool:
         asked: dict[Future[int], tuple[str, Iterator[str]]] = {}
 
         def ask_next(left: Iterator[str]) -> None:
@@ -105,10 +107,8 @@ def cores() -> int:
 def _ask(name: str) -> int:
     before = len(COMPILED)
     questions()[name]()
-    if compiled := len(COMPILED) - before:
-        gc.collect()  # not on the way, and what is left not again
-        gc.freeze()
-    return compiled
+    gc.freeze()  # garbage is not looked for, by nobody and not at the end: the process ends soon
+    return len(COMPILED) - before
 
 
 def _families() -> Iterator[Iterator[tuple[str, Question]]]:

@@ -59,7 +59,7 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
         """All that is called, by what is called too, to be linked into a whole beside this: not into each caller."""
 
     def finalize(self) -> None:
-        """Leaves alone are linked and optimized: all else is once more, with what is inlined there."""
+        """Leaves alone are linked; all is optimized once, in what Python calls."""
         libraries = list(dict.fromkeys(self._linking_libraries))
         if any(isinstance(library, Part) and library.of_kernel for library in libraries):
             self.needs = [library for library in libraries if isinstance(library, Part)]
@@ -67,8 +67,7 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
         super().finalize()
 
     def _optimize_final_module(self) -> None:
-        if not self.needs:
-            super()._optimize_final_module()
+        pass
 
     def _finalize_final_module(self) -> None:
         """As Numba's `_get_module_for_linking` says it, without a copy."""

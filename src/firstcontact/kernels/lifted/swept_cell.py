@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from firstcontact.kernels.jit import implements, kernel, uncounted
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.verdict import LOST
 
 # Rows: boxes of the corners of the hulls; the box of all; then the number of corners, whether paths are circles, axis,
@@ -24,25 +24,27 @@ CIRCLES, CENTRE, FAR = 1, 2, 4
 _U = 2.0**-53
 
 
+@uncounted
+def turns(motion):
+    """Whether a motion turns.  All are of one type here: that of `translate` is one row, that of `rotate` several."""
+    return motion.shape[0] > 1
+
+
+@uncounted
 def axis_of(motion):
-    """(whether the motion turns, x and y of its axis)."""
-    raise NotImplementedError("compiled only, by the type of the motion")
-
-
-@implements(axis_of, 1, 2)
-def _axis_of(motion):
-    if motion.ndim == 1:
-        return lambda motion: (False, 0.0, 0.0)
-    return lambda motion: (True, motion[motion.shape[0] - 1, 0], motion[motion.shape[0] - 1, 1])
+    """x and y of the axis; zeros where nothing turns."""
+    if not turns(motion):
+        return 0.0, 0.0
+    return motion[motion.shape[0] - 1, 0], motion[motion.shape[0] - 1, 1]
 
 
 @uncounted
 def begin_cell(cell, still, motion):
-    turns, cx, cy = axis_of(motion)
+    cx, cy = axis_of(motion)
     for r in range(4):
         for k in range(3):
             cell[r, k], cell[r, k + 3] = np.inf, -np.inf
-    cell[HULLS, 0], cell[HULLS, CIRCLES] = 0.0, 1.0 if turns and not still else 0.0
+    cell[HULLS, 0], cell[HULLS, CIRCLES] = 0.0, 1.0 if turns(motion) and not still else 0.0
     cell[HULLS, CENTRE], cell[HULLS, CENTRE + 1], cell[HULLS, FAR] = cx, cy, max(abs(cx), abs(cy))
     cell[ROUND, 0], cell[ROUND, 1] = np.inf, 0.0
 
@@ -187,8 +189,8 @@ def _distances(x, lo, hi, cx, cy):
 @kernel
 def edge_distances(corners, motion):
     """(m, 2) least and largest distance of edges (m, 9) from the axis; (0, 2) where nothing turns."""
-    turns, cx, cy = axis_of(motion)
-    out = np.empty((corners.shape[0] if turns else 0, 2))
+    cx, cy = axis_of(motion)
+    out = np.empty((corners.shape[0] if turns(motion) else 0, 2))
     for i in range(out.shape[0]):
         out[i, 0], out[i, 1] = _distances(corners[i], 0.0, 1.0, cx, cy)
     return out

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
+from types import BuiltinFunctionType
 from typing import Any
 
 from llvmlite.binding import FunctionPassManager, ModuleRef, PassBuilder, create_new_function_pass_manager
-from numba.core import base, compiler_machinery, errors, event, ir, postproc
+from numba.core import base, compiler_machinery, config, errors, event, interpreter, ir, postproc, ssa
 from numba.core.codegen import CPUCodegen, CPUCodeLibrary
+from numba.core.compiler_machinery import CompilerPass, PassManager
 from numba.core.targetconfig import ConfigStack, TargetConfig
 from numba.core.transforms import canonicalize_cfg
 from numba.core.types.functions import BaseFunction
+from numba.core.typing import context
 from numba.core.typing.templates import _OverloadFunctionTemplate
 
 from firstcontact.kernels.parts import for_callers
@@ -18,12 +22,21 @@ from firstcontact.kernels.thrift.replaced import no_context, nothing, put
 
 _after: Any = postproc.PostProcessor.run
 _typed: Any = BaseFunction.get_call_type
+_optimize: Any = CPUCodeLibrary._optimize_final_module
+_mend: Any = interpreter.Interpreter.post_process
+_typed_value: Any = context.BaseContext.resolve_value_type
+_assign_once: Any = ssa._run_ssa
 _decorator: Any = _OverloadFunctionTemplate._get_jit_decorator
 
 
 def apply() -> None:
     put(TargetConfig, __eq__=_equal_options, __hash__=_hash_of_options)
-    put(CPUCodeLibrary, _optimize_functions=_tidy)
+    put(CPUCodeLibrary, _optimize_functions=_tidy, _optimize_final_module=_optimize_once)
+    put(PassManager, _runPass=_take_step)
+    put(config, reload_config=nothing)  # of the environment, for each function
+    put(interpreter.Interpreter, post_process=_mend_some)
+    put(context.BaseContext, resolve_value_type=_type_of_value)
+    put(ssa, _run_ssa=_assigned_once, _run_block_rewrite=_rewritten)
     put(_OverloadFunctionTemplate, _get_jit_decorator=_decorator_of_overloads)
     put(BaseFunction, get_call_type=_call_type)
     put(postproc.PostProcessor, run=_run_after)
@@ -39,7 +52,10 @@ def _equal_options(one: TargetConfig, other: object) -> bool:
     if type(one) is not type(other):
         return NotImplemented
     mine, its = one._values, other._values
-    return mine == its or all(getattr(one, name) == getattr(other, name) for name in mine.keys() | its.keys())
+    if mine == its:
+        return True
+    known = type(one).options
+    return all(mine.get(n, known[n].default) == its.get(n, known[n].default) for n in mine.keys() | its.keys())
 
 
 def _hash_of_options(one: TargetConfig) -> int:
@@ -66,9 +82,67 @@ def _tidying(codegen: CPUCodegen) -> tuple[FunctionPassManager, PassBuilder]:
     return passes, codegen._pass_builder()
 
 
+def _optimize_once(library: CPUCodeLibrary) -> None:
+    """Numba optimizes a little first to find counts of references that cancel: in vain where nothing is counted."""
+    module = library._final_module
+    if any(function.name == "NRT_incref" for function in module.functions):
+        _optimize(library)
+        return
+    passes, builder = library._codegen._module_pass_manager()
+    passes.run(module, builder)
+
+
+def _take_step(manager: PassManager, _: int, step: CompilerPass, state: Any) -> None:
+    """A step of a compilation, without a description of it for those who listen, and without a look at a clock."""
+    step.analysis = manager._analysis
+    changed = [step.run_initialization(state), step.run_pass(state), step.run_finalizer(state)]
+    if any(changed) and compiler_machinery._pass_registry.get(type(step)).mutates_CFG:
+        postproc.PostProcessor(state.func_ir).run()
+
+
+def _mend_some(reader: interpreter.Interpreter, steps: Sequence[Any], code: ir.FunctionIR) -> ir.FunctionIR:
+    """What is left of `with` is removed where there is any."""
+    left = any(name.startswith("$setup_with_exitfn") for name in code._definitions)
+    mended: ir.FunctionIR = _mend(
+        reader, [step for step in steps if left or step is not interpreter.peep_hole_delete_with_exit], code
+    )
+    return mended
+
+
+def _assigned_once(blocks: dict[int, ir.Block]) -> dict[int, ir.Block]:
+    """Each assignment to a variable gets a name of its own, one variable after the other."""
+    for block in blocks.values():
+        names = {variable.name for statement in block.body for variable in statement.list_vars()}
+        vars(block)["_names"] = names
+    done: dict[int, ir.Block] = _assign_once(blocks)
+    for block in done.values():
+        del vars(block)["_names"]
+    return done
+
+
+def _rewritten(blocks: dict[int, ir.Block], states: dict[str, Any], handler: object) -> dict[int, ir.Block]:
+    """Of these, blocks are made anew for the variables that occur there; the new names are not asked for again."""
+    made = {}
+    for label, block in blocks.items():
+        made[label] = block
+        if states["varname"] in vars(block)["_names"]:
+            states["label"], states["block"] = label, block
+            made[label] = ir.Block(scope=block.scope, loc=block.loc)
+            made[label].body = list(ssa._run_ssa_block_pass(states, block, handler))
+            vars(made[label])["_names"] = vars(block)["_names"]
+    return made
+
+
 def _decorator_of_overloads(template: Any) -> Any:
     """What a kernel calls of Numba's own is linked into it, as are kernels."""
     return for_callers(_decorator(template))
+
+
+def _type_of_value(typing: context.BaseContext, value: object) -> object:
+    """Operators are looked up in two places: they are in the second."""
+    if type(value) is BuiltinFunctionType and (kind := typing._lookup_global(value)) is not None:
+        return kind
+    return _typed_value(typing, value)
 
 
 def _call_type(function: Any, context: Any, args: Any, kws: Any) -> Any:

@@ -33,10 +33,10 @@ from firstcontact.kernels.lifted.swept_cell import (
     HULLS,
     PATH_ROWS,
     WHOLE,
-    axis_of,
     begin_cell,
     facet_may_meet,
     put_path,
+    turns,
 )
 from firstcontact.kernels.selection import select
 from firstcontact.search.lifted.halving import (
@@ -50,7 +50,7 @@ from firstcontact.search.lifted.halving import (
     second_moments,
     why_pause,
 )
-from firstcontact.search.lifted.lifted_motion import lay_corner, lay_path
+from firstcontact.search.lifted.lifted_motion import lay_corner, lay_path, test_pair
 from firstcontact.search.trees.state import (
     CROSSING_FOUND,
     CROWDED,
@@ -60,7 +60,7 @@ from firstcontact.search.trees.state import (
     VISITS,
 )
 from firstcontact.search.trees.tree import SIDE
-from firstcontact.search.trees.walk import meet_at_start, test_events
+from firstcontact.search.trees.walk import meet_at_start
 
 # The first share of the vertices, and how much larger each next one is.
 FIRST_SHARE, SHARES = 8, 16
@@ -105,7 +105,7 @@ def halve_facets(paths, facets, origin, scale, room, still, swapped, motion, arc
     scratch = np.empty((6, 6)), np.empty((6, 6)), np.empty((3, 6))
     planes = np.empty((4, 4)), np.empty((4, 4)), np.empty((3, 4))
     sense, err = -1.0 if swapped else 1.0, err_a + err_b
-    sided = still or not axis_of(motion)[0]  # of straight paths the side lines tell, too
+    sided = still or not turns(motion)  # of straight paths the side lines tell, too
     while integers[STACK] > 0:
         reason = why_pause(integers, times.shape[0], limit)
         if reason != GO_ON:
@@ -128,7 +128,7 @@ def halve_facets(paths, facets, origin, scale, room, still, swapped, motion, arc
                                      floats, integers, times, candidates):  # fmt: skip
                         return CROSSING_FOUND
                 else:
-                    test_events(motion, a[0], a[1], xyz_a[a[0]], b[0], b[1], xyz_b[b[0]], 1 << SIDE, err_a, err_b,
+                    test_pair(motion, a[0], a[1], xyz_a[a[0]], b[0], b[1], xyz_b[b[0]], 1 << SIDE, err_a, err_b,
                                 floats, integers, times, candidates)  # fmt: skip
             continue
         if frame[TOP] + 2 * (m + n) > arena.shape[0]:

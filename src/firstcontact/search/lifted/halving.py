@@ -21,7 +21,7 @@ from firstcontact.kernels.lifted.principal import box_columns, fit_box
 from firstcontact.kernels.lifted.query import E_FORMS, L_QUERY, LINES, N_FORMS, REACH, ROWS, SIZES, line_slack, may_meet
 from firstcontact.kernels.lifted.swept_cell import axis_of, edge_keeps_off
 from firstcontact.kernels.selection import select
-from firstcontact.search.lifted.lifted_motion import PLACE, lay_edge
+from firstcontact.search.lifted.lifted_motion import PLACE, lay_edge, test_pair
 from firstcontact.search.lifted.space_cut import (
     A_FIRST,
     A_LAST,
@@ -58,7 +58,6 @@ from firstcontact.search.trees.state import (
     VISITS,
 )
 from firstcontact.search.trees.tree import SIDE
-from firstcontact.search.trees.walk import test_events
 from firstcontact.work import doubled
 
 # A frame of at most so many pairs is tested pair by pair.
@@ -174,7 +173,7 @@ def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, er
             integers[QUERY] += count
             for p in range(done, done + count):
                 part_a, part_b = a.parts[p % m], b.parts[p % n]
-                test_events(
+                test_pair(
                     motion, part_a[0], part_a[1], xyz_a[part_a[0]], part_b[0], part_b[1], xyz_b[part_b[0]],
                     1 << SIDE, err_a, err_b, floats, integers, times, candidates,
                 )  # fmt: skip
@@ -243,7 +242,7 @@ def _test_pairs(a, b, room, here, origin, scale, query, work, motion, arc, reach
                 continue
             i, k = (edge, arena[first + j]) if by_a else (arena[first + j], edge)
             part_a, part_b = a.parts[i], b.parts[k]
-            test_events(
+            test_pair(
                 motion, part_a[0], part_a[1], xyz_a[part_a[0]], part_b[0], part_b[1], xyz_b[part_b[0]],
                 1 << SIDE, err_a, err_b, floats, integers, times, candidates,
             )  # fmt: skip
@@ -284,7 +283,7 @@ def _split(x, x_slot, y, y_slot, sense, origin, scale, room, row, scratch, query
         arena[top + i] = arena[x0 + i]
     if not _cut_by_size(x, top, count, room):
         _cut(x.lines, top, count, y.lines, y0, y1, room, scratch)
-    cx, cy = axis_of(motion)[1:]
+    cx, cy = axis_of(motion)
     used = top + count
     for half in range(2):
         first, last = (top, top + count // 2) if half == 0 else (top + count // 2, top + count)

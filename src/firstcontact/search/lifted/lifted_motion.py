@@ -1,6 +1,7 @@
 """Queries of cells of edges or facets under the two motions: what an edge or corner of either body sweeps.
 
-Chosen by the type of the motion, as in `walk`.  A translation is one arc; a rotation is searched arc by arc.
+A translation is one arc; a rotation is searched arc by arc.  Both are of one type (`swept_cell.turns`): what searches
+by lines and planes, much code of which little depends on the motion, is compiled once.
 """
 
 from __future__ import annotations
@@ -8,9 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.kernels.angle import ANGLE_EPS
-from firstcontact.kernels.jit import implements, uncounted
+from firstcontact.kernels.jit import inlined, uncounted
 from firstcontact.kernels.lifted.query import write_segment, write_swept_edge, write_turned_edge, write_turned_point
+from firstcontact.kernels.lifted.swept_cell import axis_of, turns
+from firstcontact.search.trees.rotate import turning_events
 from firstcontact.search.trees.state import BEST, FIRST, KEY
+from firstcontact.search.trees.translate import shifting_events
 
 # An arc turns by 2 atan(1/5): its cosine and sine are rational.  Sixteen make more than a full turn.
 ARC_ANGLE, ARC_TANGENT = 0.3947911196997615, 0.2
@@ -33,7 +37,7 @@ ARC_STARTS = _arc_starts()
 
 def arc_of(motion: np.ndarray, floats: np.ndarray, arc: int) -> tuple[bool, bool]:
     """(whether there is such an arc before the best time, whether it ends before the window begins)."""
-    if motion.ndim == 1:
+    if len(motion) == 1:
         return arc == 0, False
     # products of whole numbers and the arc's angle round once; times are within ANGLE_EPS
     start = arc * ARC_ANGLE - 4.0 * ANGLE_EPS
@@ -44,87 +48,91 @@ def arc_of(motion: np.ndarray, floats: np.ndarray, arc: int) -> tuple[bool, bool
     return exists, over
 
 
+@inlined
+def test_pair(motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates):
+    """`test_events` of `search.trees.walk`."""
+    if turns(motion):
+        turning_events(motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates)
+    else:
+        shifting_events(
+            motion[0], pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
+        )
+
+
+test_pair.__test__ = False  # no test, whatever its name says to collectors
+
+
+@uncounted
 def lay_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
     """Write the query for the edge from x to y of a (sense 1), or of b (sense -1: it moves the other way past a)."""
-    raise NotImplementedError("compiled only, by the type of the motion")
+    if turns(motion):
+        _lay_turned_edge(motion, arc, x, y, sense, floats, origin, scale, query, work)
+    else:
+        _shifts(motion[0], sense, reach, floats, work)
+        write_swept_edge(query, x, y, work[0], work[1], origin, scale)
 
 
+@uncounted
 def lay_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
     """The same for a corner x."""
-    raise NotImplementedError("compiled only, by the type of the motion")
+    if turns(motion):
+        _lay_turned_corner(motion, arc, x, sense, floats, origin, scale, query, work)
+    else:
+        _shifts(motion[0], sense, reach, floats, work)
+        write_segment(query, x, work[0], work[1], origin, scale)
 
 
+@uncounted
 def lay_path(motion, arc, x, sense, reach, floats, work):
     """Write points whose hull holds the path of the corner x into rows of work, the last one its end; how many."""
-    raise NotImplementedError("compiled only, by the type of the motion")
+    if turns(motion):
+        return _lay_arc(motion, arc, x, sense, floats, work)
+    _shifts(motion[0], sense, reach, floats, work)
+    for k in range(3):
+        work[0, k] += x[k]
+        work[1, k] += work[0, k]
+    return 2
 
 
+@uncounted
 def times_of(motion, arc, reach, floats):
     """The times of the arc, from the key to the best time."""
-    raise NotImplementedError("compiled only, by the type of the motion")
+    if not turns(motion):
+        return floats[KEY], max(floats[KEY], min(floats[BEST], reach))
+    first, last = arc * ARC_ANGLE - 4.0 * ANGLE_EPS, (arc + 1) * ARC_ANGLE + 4.0 * ANGLE_EPS
+    return first, max(first, min(floats[BEST], last))
 
 
+@uncounted
 def place_at(motion, t, place):
     """Write where a stands at a time: whether turned, cosine, sine, axis x and y, shift (3)."""
-    raise NotImplementedError("compiled only, by the type of the motion")
+    place[0], place[1], place[2] = 0.0, 1.0, 0.0
+    place[3], place[4] = axis_of(motion)
+    if turns(motion):
+        place[0], place[1], place[2] = 1.0, np.cos(t), np.sin(t)
+        place[5], place[6], place[7] = 0.0, 0.0, 0.0
+    else:
+        for k in range(3):
+            place[5 + k] = t * motion[0, 6 + k]
 
 
+@uncounted
 def drift(motion, box, duration, way):
     """Write the least and largest displacement (3 each) of a point of a that is in the box at one of two times, from
 
     one to the other; returns the largest.
     """
-    raise NotImplementedError("compiled only, by the type of the motion")
-
-
-# ---------------------------------------------------------------------------------------------- translation
-
-
-@implements(times_of, 1, 2)
-def _times_of(motion, arc, reach, floats):
-    return _times_of_shift if motion.ndim == 1 else _times_of_arc
-
-
-@implements(place_at, 1, 2)
-def _place_at(motion, t, place):
-    return _place_shifted if motion.ndim == 1 else _place_turned
-
-
-@implements(drift, 1, 2)
-def _drift(motion, box, duration, way):
-    return _drift_shifting if motion.ndim == 1 else _drift_turning
-
-
-def _times_of_shift(motion, arc, reach, floats):
-    return floats[KEY], max(floats[KEY], min(floats[BEST], reach))
-
-
-def _place_shifted(motion, t, place):
-    place[0], place[1], place[2], place[3], place[4] = 0.0, 1.0, 0.0, 0.0, 0.0
+    if turns(motion):
+        # no farther than the chord, which is shorter than the arc and than the diameter
+        cx, cy = axis_of(motion)
+        x, y = max(abs(box[0] - cx), abs(box[3] - cx)), max(abs(box[1] - cy), abs(box[4] - cy))
+        d = min(duration, 2.0) * np.sqrt(x * x + y * y) * (1.0 + 1e-14)
+        way[0], way[1], way[2], way[3], way[4], way[5] = -d, -d, 0.0, d, d, 0.0
+        return d
     for k in range(3):
-        place[5 + k] = t * motion[6 + k]
-
-
-def _drift_shifting(motion, box, duration, way):
-    for k in range(3):
-        d = duration * motion[6 + k]
+        d = duration * motion[0, 6 + k]
         way[k], way[k + 3] = min(d, 0.0), max(d, 0.0)
     return max(max(way[3], way[4], way[5]), -min(way[0], way[1], way[2]))
-
-
-@implements(lay_edge, 1, 2)
-def _lay_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
-    return _lay_shifted_edge if motion.ndim == 1 else _lay_turned_edge
-
-
-@implements(lay_corner, 1, 2)
-def _lay_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
-    return _lay_shifted_corner if motion.ndim == 1 else _lay_turned_corner
-
-
-@implements(lay_path, 1, 2)
-def _lay_path(motion, arc, x, sense, reach, floats, work):
-    return _lay_segment if motion.ndim == 1 else _lay_arc
 
 
 @uncounted
@@ -136,46 +144,7 @@ def _shifts(motion, sense, reach, floats, work):
         work[0, k], work[1, k] = sense * lo * motion[6 + k], sense * (hi - lo) * motion[6 + k]
 
 
-def _lay_shifted_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
-    _shifts(motion, sense, reach, floats, work)
-    write_swept_edge(query, x, y, work[0], work[1], origin, scale)
-
-
-def _lay_shifted_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
-    _shifts(motion, sense, reach, floats, work)
-    write_segment(query, x, work[0], work[1], origin, scale)
-
-
-def _lay_segment(motion, arc, x, sense, reach, floats, work):
-    _shifts(motion, sense, reach, floats, work)
-    for k in range(3):
-        work[0, k] += x[k]
-        work[1, k] += work[0, k]
-    return 2
-
-
 # ------------------------------------------------------------------------------------------------- rotation
-
-
-def _times_of_arc(motion, arc, reach, floats):
-    first, last = arc * ARC_ANGLE - 4.0 * ANGLE_EPS, (arc + 1) * ARC_ANGLE + 4.0 * ANGLE_EPS
-    return first, max(first, min(floats[BEST], last))
-
-
-def _place_turned(motion, t, place):
-    end = motion.shape[0] - 1
-    place[0], place[1], place[2], place[3], place[4] = 1.0, np.cos(t), np.sin(t), motion[end, 0], motion[end, 1]
-    place[5], place[6], place[7] = 0.0, 0.0, 0.0
-
-
-def _drift_turning(motion, box, duration, way):
-    # no farther than the chord, which is shorter than the arc and than the diameter
-    end = motion.shape[0] - 1
-    x = max(abs(box[0] - motion[end, 0]), abs(box[3] - motion[end, 0]))
-    y = max(abs(box[1] - motion[end, 1]), abs(box[4] - motion[end, 1]))
-    d = min(duration, 2.0) * np.sqrt(x * x + y * y) * (1.0 + 1e-14)
-    way[0], way[1], way[2], way[3], way[4], way[5] = -d, -d, 0.0, d, d, 0.0
-    return d
 
 
 @uncounted
@@ -204,14 +173,15 @@ def _turned(x, c, s, cx, cy, place, out):
 @uncounted
 def _turns(motion, arc, sense, floats):
     """cx, cy of the axis; cosine and sine of the turn to the start of the arc; those of the turn from there; tan."""
-    end = motion.shape[0] - 1
+    cx, cy = axis_of(motion)
     tc = arc_tangent(arc, floats)
     w = 1.0 / (1.0 + tc * tc)
     c, s = ARC_STARTS[arc, 0], sense * ARC_STARTS[arc, 1]
-    return motion[end, 0], motion[end, 1], c, s, (1.0 - tc * tc) * w, sense * 2.0 * tc * w, tc
+    return cx, cy, c, s, (1.0 - tc * tc) * w, sense * 2.0 * tc * w, tc
 
 
-def _lay_turned_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
+@uncounted
+def _lay_turned_edge(motion, arc, x, y, sense, floats, origin, scale, query, work):
     cx, cy, c, s, dc, ds, tc = _turns(motion, arc, sense, floats)
     _turned(x, c, s, cx, cy, 0, work)
     _turned(y, c, s, cx, cy, 2, work)
@@ -222,7 +192,8 @@ def _lay_turned_edge(motion, arc, x, y, sense, reach, floats, origin, scale, que
     write_turned_edge(query, work[0], work[2], work[1], work[3], work[4], work[6], tc, origin, scale)
 
 
-def _lay_turned_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
+@uncounted
+def _lay_turned_corner(motion, arc, x, sense, floats, origin, scale, query, work):
     cx, cy, c, s, dc, ds, tc = _turns(motion, arc, sense, floats)
     _turned(x, c, s, cx, cy, 0, work)
     _turned(work[0], dc, ds, cx, cy, 2, work)
@@ -231,7 +202,8 @@ def _lay_turned_corner(motion, arc, x, sense, reach, floats, origin, scale, quer
     write_turned_point(query, work[0], work[1], work[2], tc, origin, scale)
 
 
-def _lay_arc(motion, arc, x, sense, reach, floats, work):
+@uncounted
+def _lay_arc(motion, arc, x, sense, floats, work):
     # an arc lies in the triangle of its ends and the point where its tangents there meet
     cx, cy, c, s, dc, ds, tc = _turns(motion, arc, sense, floats)
     _turned(x, c, s, cx, cy, 0, work)

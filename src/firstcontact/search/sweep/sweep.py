@@ -26,9 +26,10 @@ import numpy as np
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.kernels.heap import heap_pop, heap_push
 from firstcontact.kernels.jit import kernel, uncounted
+from firstcontact.kernels.lifted.swept_cell import turns
+from firstcontact.search.lifted.lifted_motion import test_pair
 from firstcontact.search.trees.state import BEST, CANDIDATES, DONE, FIRST, FULL, LEAF_ROOM, VISITS
 from firstcontact.search.trees.tree import SIDE
-from firstcontact.search.trees.walk import test_events
 
 # In units of the size of the facets: how far cells reach beyond their facet.
 MARGIN = 2.0**-30
@@ -657,7 +658,7 @@ def _ask(trees, roots, order, cells, tolerance, point, pace, askers, parts, swap
     best time only such ones behind it.  Angles are asked for once a turn.
     """
     asker = askers[int(point[3])]
-    turn = TWO_PI if motion.ndim == 2 else 0.0
+    turn = TWO_PI if turns(motion) else 0.0
     for ask in range(4):
         ordered = ask < 3
         ahead = (0.0, turn, -turn, 0.0)[ask] - point[2]
@@ -692,7 +693,7 @@ def _ask(trees, roots, order, cells, tolerance, point, pace, askers, parts, swap
             node = waiting[top]
             facet = parts[cells.sheets[trees.cell[node]]]
             x, y = (facet, asker) if swapped else (asker, facet)
-            test_events(
+            test_pair(
                 motion, x[0], x[1], xyz_a[x[0]], y[0], y[1], xyz_b[y[0]], 1 << SIDE, err_a, err_b,
                 floats, integers, times, candidates,
             )  # fmt: skip

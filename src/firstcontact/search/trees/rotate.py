@@ -98,6 +98,10 @@ def _events(
                 record(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, v1, lo1, hi1)
 
 
+turning_events = uncounted(_events)
+"""`test_events` for callers whose motion may be a translation too."""
+
+
 @implements(earliest_meeting, 2)
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if motion.ndim == 2:

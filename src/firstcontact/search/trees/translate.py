@@ -116,6 +116,10 @@ def _events(
                 record(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, verdict, lo, hi)
 
 
+shifting_events = uncounted(_events)
+"""`test_events` for callers whose motion may be a rotation too."""
+
+
 @implements(earliest_meeting, 1, inlined=True)
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if motion.ndim == 1:

@@ -366,10 +366,10 @@ def _composed(problem: ByEngine, state: WalkState, all_sides: bool) -> Composed:
     moving, resting = edges_of(a, all_sides), edges_of(b, all_sides)
     motion, reach, errors = motion_of(problem)
     sides = (1 << SIDE) | ((1 << FLAT_SIDE) if all_sides else 0)
-    work = motion, a.xyz, b.xyz, *errors, sides
-    if motion.ndim == 1:
+    work = problem.motion, a.xyz, b.xyz, *errors, sides
+    if len(motion) == 1:
         frame = _frame_about(b.xyz.reshape(-1, 3).mean(axis=0), resting, errors)
-        groups = translation_groups(moving, resting, frame, motion[6:9], lambda: min(float(floats[BEST]), reach))
+        groups = translation_groups(moving, resting, frame, motion[0, 6:9], lambda: min(float(floats[BEST]), reach))
     else:
         end = len(motion) - 1
         frame = _frame_about(np.array([motion[end, 0], motion[end, 1], 0.0]), resting, errors)

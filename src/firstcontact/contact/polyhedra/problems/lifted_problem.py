@@ -85,9 +85,9 @@ def walk_lifted(
 
 
 def motion_of(problem: Any) -> tuple[np.ndarray, float, tuple[float, float]]:
-    """(the motion for kernels, a time after which certainly nothing meets, errors of the parts of a and of b)."""
+    """(the motion as rows, a time after which certainly nothing meets, errors of the parts of a and of b)."""
     reach = parting(problem) if isinstance(problem, TranslationProblem) else math.inf
-    return problem.motion, reach, (problem.error_a, problem.error_b)
+    return np.atleast_2d(problem.motion), reach, (problem.error_a, problem.error_b)
 
 
 def _parts_that_may_meet(problem: Any) -> tuple[np.ndarray, np.ndarray]:

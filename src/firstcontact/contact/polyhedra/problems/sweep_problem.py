@@ -127,7 +127,7 @@ def advance_sweep(problem: ByEngine, state: WalkState, limit: int) -> int:
     if state.scratch is None:
         motion, _, errors = motion_of(problem)
         a, b = problem.tree_a, problem.tree_b
-        side = _side if motion.ndim == 1 else _side_about
+        side = _side if len(motion) == 1 else _side_about
         sides = {
             CORNERS: side(a, b, motion, 1.0, sum(errors)),
             FACETS: side(b, a, motion, -1.0, sum(errors)),
@@ -135,7 +135,8 @@ def advance_sweep(problem: ByEngine, state: WalkState, limit: int) -> int:
         state.scratch = lifted_scratch(problem), Swept(sides, (motion, a.xyz, b.xyz, *errors), problem.threads)
     scratch, swept = state.scratch
     searches = {}
-    if motion_of(problem)[0].ndim == 2 or motion_of(problem)[0][6:9].any():
+    motion = motion_of(problem)[0]
+    if len(motion) > 1 or motion[0, 6:9].any():
         searches = {p: lambda arc, p=p: swept.advance(state, p, limit) for p in (CORNERS, FACETS)}
     return walk_lifted(problem, scratch, state, limit, searches)
 
@@ -143,7 +144,7 @@ def advance_sweep(problem: ByEngine, state: WalkState, limit: int) -> int:
 def _side(moving: Tree, resting: Tree, motion: np.ndarray, sense: float, error: float) -> Side:
     """The vertices of one tree, as they move against the other one, and the facets of that one."""
     found, faced, parts, facets, points = _vertices_and_facets(moving, resting)
-    v = sense * motion[6:9]
+    v = sense * motion[0, 6:9]
     speed = float(np.abs(v).max(initial=0.0))
     if not len(facets) or not len(points) or speed == 0.0:
         return Side(np.empty((0, 4)), found.parts, facets, faced.parts, 0.0, 1.0, sense < 0.0, False)
