@@ -210,7 +210,7 @@ class Polyhedron(Placing):
         # an entry, a product and three sums round: at most 8 roundings of relative size 2^-53
         error = float(size.max() * 8 * 2.0**-53 + 3 * self.error * np.abs(m[:, :3]).max() * 1.01 + LEAST)
         vertices.flags.writeable = False
-        return self._with(vertices=vertices, error=error, irrationalirrationalirrational_pose=pose, _search={})
+        return self._with(vertices=vertices, error=error, irrational_pose=pose, _search={})
 
     def __getstate__(self) -> dict[str, object]:
         state = dict(self.__dict__)
