@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 from flint import arb
@@ -99,6 +99,9 @@ class Lasting(Generic[P]):
 
     P: a point that is proved to be in both bodies at a time, and so that it can be followed.
     """
+
+    worth: ClassVar[int] = 1
+    """What following a point for a step takes, in cells that other searches look at meanwhile."""
 
     def __init__(self) -> None:
         self.scratch = workspace()[0]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Generic, Protocol, TypeVar
+from typing import ClassVar, Generic, Protocol, TypeVar
 
 import numpy as np
 from flint import fmpq
@@ -123,6 +123,8 @@ class Free(Protocol[V]):
 class Following(Protocol[V]):
     """How contact is followed, see `lasting.Lasting`."""
 
+    worth: ClassVar[int]
+
     def deepest(self, window: V, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None: ...
 
     def anywhere(self, window: V, t: float) -> np.ndarray | None: ...
@@ -197,10 +199,13 @@ class Sweep(Generic[W]):
         else:
             self.intervals.append(Certified(start, end, open))
 
-    def _step(self) -> None:
+    def _follows(self) -> None:
+        self._step(self.lasting.worth)
+
+    def _step(self, worth: int = 1) -> None:
         starts = [x.start[0] for x in self.intervals[:1]] or ([self.reached] if self.start is None else [self.start[0]])
         self.work.free_until = starts[0]
-        self.work.step()
+        self.work.step(worth)
 
     def _window(self, window: W, point: np.ndarray | None, is_first: bool) -> np.ndarray | None:
         """Follow the state through one window; a common point at its end, None where there is none."""
@@ -299,7 +304,7 @@ class Sweep(Generic[W]):
         self.turns += 1
         if self.turns > self.most_turns:
             raise Open(t)
-        t, point = self.lasting.until(window, t, window.last, point, LEAST_AHEAD, self._step)
+        t, point = self.lasting.until(window, t, window.last, point, LEAST_AHEAD, self._follows)
         self.reached = t
         if t >= window.last:
             return t, point
@@ -358,7 +363,7 @@ class Sweep(Generic[W]):
     def _lost_before(self, window: W, t: float, later: float, point: np.ndarray) -> float | None:
         """None if contact lasts from t to `later`, both in contact; else a free time between.  May raise Open."""
         mirror = self._mirrored(window)
-        back, _ = self.lasting.until(mirror, -later, -t, point, LEAST_BACK, self._step)
+        back, _ = self.lasting.until(mirror, -later, -t, point, LEAST_BACK, self._follows)
         if -back - t <= self.width:
             return None
         for k in range(1, TRIES):

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from flint import fmpq
@@ -194,6 +194,8 @@ class _Free:
 
 
 class _Lasting:
+    worth: ClassVar[int] = 1
+
     def __init__(self, pair: _Pair) -> None:
         self.pair = pair
 
@@ -258,12 +260,12 @@ class _RuledSweep(Sweep[Way]):
             return replace(found, reason="budget")
         return found
 
-    def _step(self) -> None:
+    def _step(self, worth: int = 1) -> None:
         """Count the boxes since the last time."""
         self.work.done = self.pair.visits
         if self.work.budget is None and self.work.done > BUDGET:
             raise Open(self.reached)
-        super()._step()
+        super()._step(worth)
 
     def _ahead(self, way: Way, t: float) -> Iterator[float]:
         return (x for x in super()._ahead(way, t) if x - t >= AHEAD * self.pair.span or x == way.last)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from flint import arb, fmpq
@@ -110,6 +110,8 @@ def _features(tables: Tables) -> Sequence[RuledFeature]:
 
 class RuledLasting(Lasting[np.ndarray]):
     """A ruled surface, body `side`, and a model; places are points too.  parts: the windows in which time runs on."""
+
+    worth: ClassVar[int] = 400
 
     def __init__(self, sheets: list[Sheet], solid: Solid, side: int, parts: list[Window]) -> None:
         super().__init__()

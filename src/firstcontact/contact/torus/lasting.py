@@ -24,6 +24,8 @@ class SolidTorus(Solid):
             self.back = tuple(tuple(arb(x) for x in row) for row in torus.back)
             self.radii = arb(torus.major), arb(torus.minor)
         self.forms = np.linalg.inv(square(torus.pose))
+        self.unit = abs(float(np.linalg.det(torus.pose[:, :3]))) ** (1 / 3)
+        """The unit of its own frame; heights are compared with those of the other body, in the world's."""
 
     def holds(self, x: Sequence[arb], moved: Sequence[arb] | None = None) -> bool:
         p, q, r = x if moved is None else (a + b for a, b in zip(x, moved, strict=True))
@@ -60,9 +62,11 @@ class SolidTorus(Solid):
         return found
 
     def _distance(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) distances from the torus of points (n, 3) of its own frame, negative inside; their gradients (n, 3)."""
+        """(n,) distances from the torus of points (n, 3) of its own frame, negative inside; their gradients (n, 3); in
+        the world's unit."""
         major, minor = self.torus.radii
         rho = np.maximum(np.hypot(x[:, 0], x[:, 1]), 1e-300)
         away = np.maximum(np.hypot(rho - major, x[:, 2]), 1e-300)
         turn = (rho - major) / (rho * away)
-        return away - minor, np.column_stack([turn * x[:, 0], turn * x[:, 1], x[:, 2] / away])
+        slopes = np.column_stack([turn * x[:, 0], turn * x[:, 1], x[:, 2] / away])
+        return (away - minor) * self.unit, slopes * self.unit

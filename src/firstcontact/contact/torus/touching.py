@@ -59,9 +59,11 @@ def contact_near(
     """The contact of a torus and another body in these poses, near a place in the world; theirs: what is known."""
     k = next(i for i, shape in enumerate(shapes) if isinstance(shape, Torus))
     near = np.linalg.solve(poses[1 - k], [*place, 1.0])[:3]
-    own, theirs = of_torus(shapes[k], "ab"[k]), theirs or _near(shapes[1 - k], near, shapes[k].radii[0], "ba"[k])
+    grown = np.linalg.det(np.linalg.inv(poses[1 - k])[:3, :3] @ poses[k][:3, :3] @ shapes[k].pose[:, :3])
+    size = shapes[k].radii[0] * abs(float(grown)) ** (1 / 3)  # in the frame of the other
+    own, theirs = of_torus(shapes[k], "ab"[k]), theirs or _near(shapes[1 - k], near, size, "ba"[k])
     ring = seen_from(own.surfaces[0], np.linalg.inv(poses[k]) @ poses[1 - k])
-    x = nearest(ring, theirs.surfaces, near, shapes[k].radii[0]) if theirs.surfaces else near
+    x = nearest(ring, theirs.surfaces, near, size) if theirs.surfaces else near
     normal = ring.jet(x)[1] @ np.linalg.inv(poses[1 - k][:3, :3])
     normal = (1.0 if k else -1.0) * normal / np.linalg.norm(normal)  # from the torus outwards
     elements = (theirs.element, own.element) if k else (own.element, theirs.element)
@@ -199,21 +201,30 @@ def _foot_on_plane(x: np.ndarray, point: np.ndarray) -> np.ndarray:
 
 
 def nearest(ring: Surface, surfaces: list[Surface], x: np.ndarray, size: float) -> np.ndarray:
-    """The point on all surfaces, near x, where the distance from the torus is least; x where none is found."""
+    """The point on all surfaces, near x, where the distance from the torus is least; x where none is found.
+
+    Equations are taken in units of the size and of the gradients at x, so that they tell the same at every scale.
+    """
     place, count = x.copy(), len(surfaces)
-    multipliers = np.zeros(count)
+    multipliers: np.ndarray = np.zeros(count)
+    lengths: np.ndarray = np.zeros(count)
     for step in range(STEPS):
         _, n, turns = ring.jet(place)
         jets = [s.jet(place) for s in surfaces]
         rows = np.array([j[1] for j in jets]).reshape(count, 3)
         if step == 0:
+            lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
+        rows = rows / lengths[:, None]
+        if step == 0:
             multipliers = -np.linalg.lstsq(rows.T, n, rcond=None)[0]
-        bent = turns + sum((m * j[2] for m, j in zip(multipliers, jets, strict=True)), np.zeros((3, 3)))
+        bends = (m / d * j[2] for m, d, j in zip(multipliers, lengths, jets, strict=True))
+        bent = size * (turns + sum(bends, np.zeros((3, 3))))
         matrix = np.block([[bent, rows.T], [rows, np.zeros((count, count))]])
-        right = np.concatenate([n + multipliers @ rows, [j[0] for j in jets]])
+        values = [j[0] / (d * size) for d, j in zip(lengths, jets, strict=True)]
+        right = np.concatenate([n + multipliers @ rows, values])
         if not np.all(np.isfinite(right)):
             return x
         change = np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
-        place, multipliers = place - change[:3], multipliers - change[3:]
+        place, multipliers = place - size * change[:3], multipliers - change[3:]
     far = np.linalg.norm(place - x) > 1e3 * NEAR * size
     return x if far or not np.all(np.isfinite(place)) else place
