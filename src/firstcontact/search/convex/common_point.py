@@ -47,7 +47,7 @@ class Meeting:
                 form = (self.own, self.other)[side][0][number]
                 largest = max(range(10), key=lambda k: abs(row[k]))
                 i, j = ENTRIES[largest]
-                coefficient = to_double(form.matrix()[i][j]) * (1.0 if i == j else 2.0)
+                coefficient = arb(form.matrix()[i][j]) * (1 if i == j else 2)
                 total += multiplier * row[largest] / coefficient * form.value(places[side])
             return -float(total.mid()) / rate
 
@@ -60,9 +60,10 @@ class Meeting:
             for side, number, _, _ in active:
                 form = (self.own, self.other)[side][0][number]
                 frame = turn if side == 0 else np.eye(3)
-                values.append(float(form.value(places[side]).mid()))
-                gradients.append(np.array([float(arb(c).mid()) for c in form.gradient(places[side])]) @ frame)
-                bend = np.array([[2.0 * to_double(c) for c in row[:3]] for row in form.matrix()[:3]])
+                size = max(abs(c) for row in form.matrix() for c in row)  # whole numbers of any length
+                values.append(float((form.value(places[side]) / size).mid()))
+                gradients.append(np.array([float((arb(c) / size).mid()) for c in form.gradient(places[side])]) @ frame)
+                bend = np.array([[2.0 * to_double(c / size) for c in row[:3]] for row in form.matrix()[:3]])
                 bends.append(frame.T @ bend @ frame)
         lengths = np.linalg.norm(gradients, axis=1)
         if not np.all(lengths > 0.0):  # at the tip of a cone
