@@ -54,7 +54,7 @@ def first(query: Query) -> FirstContact:
             told_all = not query.exact and found.status is Status.CONTACT and bool(told[-1].named)
             ends = exact_value(found.time_interval[0 if told_all else 1])
             end = ends if end is None else min(end, ends)
-            if query.last is not None and found.status is Status.CONTACT:  # then earlier times need not be told apart
+            if told_all and query.last is not None:  # times within one enclosure need not be told apart
                 room = ROOM * exact_value(query.tolerance) * (query.last - query.first)
                 enough = exact_value(found.time_interval[1]) - room
         if query.progress is not None and k + 1 < len(asked):

@@ -42,6 +42,7 @@ from firstcontact.kernels.workspace import (
     PART,
     POINT,
     POSE_A,
+    POSE_B,
     RESULTS,
     STEPS,
     TIME,
@@ -373,7 +374,9 @@ class PieceSearch:
             regular, *point = inner_point(a, window.a, b, window.b, at, w, c)
             if regular and meeting.is_at(at, point):
                 self.results[TIME], self.results[LO], self.results[HI] = time, reached, at
-                inner_point(a, window.a, b, window.b, time, w, c)  # for the frames then
+                _, *point = inner_point(a, window.a, b, window.b, time, w, c)  # and the frames then
+                place, pose = meeting.nearer(time, point, self._active()), w[POSE_B]
+                self.results[POINT : POINT + 3] = pose[:9].reshape(3, 3) @ place + pose[9:12]
                 return True
         return False
 

@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from flint import arb
 
 from firstcontact.body.solid.carriers import Surface
 from firstcontact.exact.numbers import exact_value, to_double
-from firstcontact.motion.relative.curved import CurvedPiece, inverse, terms
+from firstcontact.motion.relative.curved import CurvedPiece, Series, inverse, terms
 from firstcontact.search.convex.convex import HalfSpaces
 
 BITS = 160
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3), (3, 3))
 """Of a form's matrix, in the order of the coefficients in tables of pieces."""
+
+Active = Sequence[tuple[int, int, float, list[float]]]
+"""Of each active form its side, number, multiplier and coefficients as the table of its piece has them."""
 
 
 @dataclass(frozen=True)
@@ -28,35 +32,69 @@ class Meeting:
     def is_at(self, t: float, x: Sequence[float]) -> bool:
         """Whether the point (3,), in the frame of b, is proved to be in both pieces at a time."""
         with terms(1, BITS):
-            there, here = self._places(t, x)
+            there, here = self._places(t, x)[0]
             return _holds(self.own[0], there) and _holds(self.other[0], here)
 
-    def correction(
-        self, t: float, x: Sequence[float], active: Sequence[tuple[int, int, float, list[float]]], rate: float
-    ) -> float:
+    def correction(self, t: float, x: Sequence[float], active: Active, rate: float) -> float:
         """By how much later than t the pieces touch, where x and the multipliers are rounded, the forms are not.
 
-        active: of each active form its side, number, multiplier and coefficients as the table of its piece has them.
         rate: of the sum of these forms times multipliers.  That sum has no gradient at the touch, so what x is off
         counts by its square.
         """
         with terms(1, BITS):
-            places = self._places(t, x)
-            total = arb(0)
+            places, total = self._places(t, x)[0], arb(0)
             for side, number, multiplier, row in active:
                 form = (self.own, self.other)[side][0][number]
                 largest = max(range(10), key=lambda k: abs(row[k]))
                 i, j = ENTRIES[largest]
-                coefficient = to_double(form.matrix()[i][j]) * (1.0 if i == j else 2.0)
+                coefficient = arb(form.matrix()[i][j]) * (1 if i == j else 2)
                 total += multiplier * row[largest] / coefficient * form.value(places[side])
             return -float(total.mid()) / rate
 
-    def _places(self, t: float, x: Sequence[float]) -> tuple[list[arb], list[arb]]:
-        """The point of b's frame in that of a and in its own, homogeneous; under `terms`."""
+    def nearer(self, t: float, x: Sequence[float], active: Active) -> np.ndarray:
+        """The place of the touch (3,), by a step of Newton's method with exact residuals from what doubles tell."""
+        values, gradients, bends = [], [], []
+        with terms(1, BITS):
+            places, back = self._places(t, x)
+            turn = np.array([[float(c[0].mid()) for c in row[:3]] for row in back])
+            for side, number, _, _ in active:
+                form = (self.own, self.other)[side][0][number]
+                frame = turn if side == 0 else np.eye(3)
+                size = max(abs(c) for row in form.matrix() for c in row)  # whole numbers of any length
+                values.append(float((form.value(places[side]) / size).mid()))
+                gradients.append(np.array([float((arb(c) / size).mid()) for c in form.gradient(places[side])]) @ frame)
+                bend = np.array([[2.0 * to_double(c / size) for c in row[:3]] for row in form.matrix()[:3]])
+                bends.append(frame.T @ bend @ frame)
+        lengths = np.linalg.norm(gradients, axis=1)
+        if not np.all(lengths > 0.0):  # at the tip of a cone
+            return np.array(x)
+        units = np.array(gradients) / lengths[:, None]
+        return np.array(x) + _step(np.array(values) / lengths, units, np.array(bends) / lengths[:, None, None])
+
+    def _places(self, t: float, x: Sequence[float]) -> tuple[tuple[list[arb], list[arb]], Series]:
+        """The point of b's frame in that of a and in its own, homogeneous, and the map to the first; under `terms`."""
         here = [arb(exact_value(c)) for c in x]
         back = inverse(self.motion.series(arb(exact_value(t))), self.motion.is_rigid)
         there = [row[0][0] * here[0] + row[1][0] * here[1] + row[2][0] * here[2] + row[3][0] for row in back]
-        return [*there, arb(1)], [*here, arb(1)]
+        return ([*there, arb(1)], [*here, arb(1)]), back
+
+
+def _step(values: np.ndarray, units: np.ndarray, bends: np.ndarray) -> np.ndarray:
+    """(3,) towards where all forms are equal and a sum of their gradients, with weights of sum 1, vanishes.
+
+    Values (n,), gradients (n, 3) and second derivatives (n, 3, 3) of forms with gradients of length 1.  Along what is
+    flat the step stays where it is.
+    """
+    n = len(values)
+    weights = np.linalg.lstsq(np.vstack([units.T, np.ones(n)]), np.array([0.0, 0.0, 0.0, 1.0]), rcond=None)[0]
+    bend = np.einsum("k,kij->ij", weights, bends)
+    unit = 1.0 / (float(np.abs(bend).max()) or 1.0)
+    system, right = np.zeros((n + 4, n + 4)), np.zeros(n + 4)
+    system[:n, :3], system[:n, 3], right[:n] = units, -1.0, -values / unit
+    system[n : n + 3, :3], system[n : n + 3, 4:], right[n : n + 3] = bend * unit, units.T, -(weights @ units)
+    system[n + 3, 4:] = 1.0
+    found: np.ndarray = np.linalg.lstsq(system, right, rcond=1e-9)[0][:3] * unit
+    return found
 
 
 def _holds(forms: Sequence[Surface], point: list[arb]) -> bool:
