@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from firstcontact.contact.mesh_model.mesh_holes import search_of
 from firstcontact.contact.mesh_model.tip_ways import TipWays
 from firstcontact.contact.models.certified import bounded
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
-from firstcontact.contact.ways import Passed, Way, answered, decided, is_proved
+from firstcontact.contact.ways import Passed, Way, answered, decided
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.moving import shape_of
@@ -31,7 +32,7 @@ from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.convex.mesh_advance import BACK, Swept
 from firstcontact.timeline.answers import likely_time, proved_intervals
 from firstcontact.timeline.lasting import Solid
-from firstcontact.timeline.sweep import Found, Open, Sweep, Touch
+from firstcontact.timeline.sweep import Open, Sweep, Touch
 from firstcontact.work import Query, Spent, Work
 
 
@@ -46,22 +47,29 @@ def intervals(query: Query) -> ContactIntervals:
             "contact intervals of meshes with curved models are not exact; drop exact=True and method='algebraic'"
         )
     ways = [
-        Way("by triangles", lambda query, _: decided(_by_triangles(query), query)),
-        Way("by triangles near the origin", _near_origin, is_proved),
+        Way("by triangles", lambda query, _: decided(_by_triangles(query, False), query)),
+        Way("by triangles near the origin", partial(_anew, exactly=False), _may_be_asked_again),
+        Way("with exact first contacts", partial(_anew, exactly=True), _may_be_asked_again),
     ]
     return answered(ways, query)
 
 
-def _by_triangles(query: Query) -> ContactIntervals:
+def _by_triangles(query: Query, exactly: bool) -> ContactIntervals:
     work = query.work()
-    return proved_intervals(_all_contacts(query, work), work, query)
+    return proved_intervals(_sweep_of(query, work, exactly).run(), work, query)
 
 
-def _near_origin(query: Query, proved: ContactIntervals) -> ContactIntervals | Passed:
-    """Of bodies away from it what doubles left open, told from more digits."""
-    found = intervals_anew(_by_triangles, query)
-    if found is None:
+def _may_be_asked_again(query: Query, proved: ContactIntervals | None) -> bool:
+    """Whether doubles left anything open, with no budget of the caller's to keep."""
+    return proved is not None and query.budget is None
+
+
+def _anew(query: Query, proved: ContactIntervals, exactly: bool) -> ContactIntervals | Passed:
+    """What doubles left open, told from more digits, of bodies away from the origin; or by exact arithmetic too."""
+    found = intervals_anew(lambda near: _by_triangles(near, exactly), query)
+    if found is None and not exactly:
         return Passed("they are at the origin")
+    found = _by_triangles(query, exactly) if found is None else found
     if found.status is Status.UNDECIDED and _reach(found) < _reach(proved):
         return Passed(str(found.reason), proved)
     return decided(found, query)
@@ -76,7 +84,7 @@ def _reach(found: ContactIntervals) -> float:
 def first_by_points(query: Query) -> FirstContact:
     """The first contact as intervals tell it: with a point proved to be common at once after it, but no elements."""
     try:
-        found = _sweep_of(query, query.work()).first()
+        found = _sweep_of(query, query.work(), False).first()
     except Open as stopped:
         raise UnsupportedPair(f"no common point is proved at {stopped.time}") from stopped
     if found is None:
@@ -88,11 +96,7 @@ def first_by_points(query: Query) -> FirstContact:
     )  # fmt: skip
 
 
-def _all_contacts(query: Query, work: Work) -> Found:
-    return _sweep_of(query, work).run()
-
-
-def _sweep_of(query: Query, work: Work) -> _MeshSweep:
+def _sweep_of(query: Query, work: Work, exactly: bool) -> _MeshSweep:
     a, b = query.bodies
     mesh_is_a = isinstance(shape_of(a), Polyhedron)
     moving_mesh, moving_model = (a, b) if mesh_is_a else (b, a)
@@ -106,19 +110,20 @@ def _sweep_of(query: Query, work: Work) -> _MeshSweep:
     def touches_at_start() -> np.ndarray | None:
         return first(replace(query, last=query.first, budget=None, progress=None)).point
 
-    def exactly(t: float, end: float) -> FirstContact:
+    def between(t: float, end: float) -> FirstContact:
         span = max(exact_value(t), query.first), min(exact_value(end), query.end)
-        return first(replace(query, first=span[0], last=span[1], budget=work.left))
+        return first(replace(query, first=span[0], last=span[1], progress=None))
 
     sweep = _MeshSweep(free, lasting, parts, width, work, touches_at_start)
-    sweep.exactly = exactly
+    sweep.exactly = between if exactly else None
     return sweep
 
 
 class _MeshSweep(Sweep[Window]):
-    """Where doubles do not tell when contact begins, exact arithmetic is asked for the first one between two times."""
+    """Where doubles do not tell when contact begins, exact arithmetic may be asked for the first one between two times.
+    """
 
-    exactly: Callable[[float, float], FirstContact]
+    exactly: Callable[[float, float], FirstContact] | None
 
     def first(self) -> Touch | None:
         """The first contact after a start that is free; None where there is none.  Raises Open."""
@@ -134,7 +139,8 @@ class _MeshSweep(Sweep[Window]):
 
     def touch(self, window: Window, t: float, end: float) -> Touch | None:
         found = super().touch(window, t, end)
-        if found is None or found.sure or not any(window is x for x in self.windows):  # a mirror is none of these
+        is_forward = any(window is x for x in self.windows)  # no mirror
+        if self.exactly is None or found is None or found.sure or not is_forward:
             return found
         hit = self.exactly(found.lo, end)
         if hit.status is Status.FREE:
