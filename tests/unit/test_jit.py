@@ -323,6 +323,8 @@ def whole(x, count):
     for k in range(count):
         total += max(part(x, k), round(x[k], 1)) ** 2 / 3.0
         low[k % 2] -= x[k]
+        while total > 0.5:
+            total = total * 0.5 if x[k] > 0.5 else total - 0.25
     def twice(y):
         return 2.0 * y
     first = [part(x, k) for k in range(count) if x[k] > 0.1]
@@ -338,7 +340,7 @@ except ValueError as error:
 
 
 def test_thrifty_compiling_makes_the_same_code(tmp_path):
-    """With what is left out for speed: overloads, closures, array expressions, exceptions, references to arrays."""
+    """Of overloads, closures, array expressions, exceptions, arrays counted, variables that branches assign to."""
     (tmp_path / "ask.py").write_text(THRIFTY)
 
     def told(how):

@@ -566,13 +566,15 @@ def pair_window(motion, kind, xa, xb, err_a, err_b, first, last):
     xa, xb (9,): corners, the last one repeated.  NONE: they certainly do not meet; CERTAIN: they do in [lo, hi], not
     before lo; UNSURE: not before lo.
     """
-    side, corner = np.int64(1), np.int64(1 << CORNER)
-    mask_a = side if kind == EDGE_EDGE else corner if kind == VERTEX_FACE else np.int64(FACET)
-    mask_b = side if kind == EDGE_EDGE else corner if kind == FACE_VERTEX else np.int64(FACET)
+    # as in trees, whose walk has the same code
+    part, side, corner = np.int32(0), np.int32(1), np.int32(1 << CORNER)
+    mask_a = side if kind == EDGE_EDGE else corner if kind == VERTEX_FACE else np.int32(FACET)
+    mask_b = side if kind == EDGE_EDGE else corner if kind == FACE_VERTEX else np.int32(FACET)
     floats = np.array([first, -np.inf, np.inf, last, first, 1.0])
     integers = np.zeros(7, np.int64)
     times, candidates = np.empty((32, 2)), np.empty((32, 5), np.int32)
-    test_events(motion, 0, mask_a, xa, 0, mask_b, xb, side, err_a, err_b, floats, integers, times, candidates)
+    sides = np.int64(side)
+    test_events(motion, part, mask_a, xa, part, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates)
     if integers[CANDIDATES] == 0:
         return NONE, 0.0, 0.0
     return (CERTAIN if candidates[0, 0] >= CERTAIN_KIND else UNSURE), max(first, times[0, 0]), times[0, 1]

@@ -292,4 +292,5 @@ def _part_windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, o
 @kernel
 def windows_of_parts(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, out):
     """`part_windows` of two parts seen alone."""
-    return part_windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, np.empty((PART_ROOM, 2)), out)
+    scratch = np.empty((PART_ROOM, 2))
+    return part_windows(motion, np.int32(mask_a), xa, np.int32(mask_b), xb, err_a, err_b, last, scratch, out)
