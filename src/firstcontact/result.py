@@ -601,15 +601,16 @@ class FirstContact(_Deferring, Shown):
         where = "" if self.point is None else " at ({:.9g}, {:.9g}, {:.9g})".format(*self.point)
         if self.contact_set not in (None, "point"):
             where = f" in a {self.contact_set}{where}"
-        elements = "" if self.element_a is None else f"; {self.element_a} meets {self.element_b}"
+        met = None if self.element_a is None else f"{self.element_a} meets {self.element_b}"
         if self.status is Status.INITIAL_CONTACT:
+            elements = "" if met is None else f"; {met}"
             return f"{names}: INITIAL_CONTACT ({self.initial}) at time {self.time!r}\n {where}{elements}"
         assert self.time_interval is not None
         more = f" (and {self.multiplicity - 1} more pairs)" if self.multiplicity > 1 else ""
         exactly = "" if self.time_exact is None else f"\n  exactly {_told(self.time_exact)}"
         return (
             f"{names}: CONTACT at time {self.time!r}{where}\n"
-            f"  {self.element_a} meets {self.element_b}{more}; "
+            f"  {met or 'which elements meet is not told'}{more}; "
             f"time in [{self.time_interval[0]!r}, {self.time_interval[1]!r}]{exactly}"
         )
 
