@@ -82,7 +82,7 @@ class Work:
 
     def step(self, count: int = 1) -> None:
         """Count a subproblem or candidate, or one as large as more, before it is taken up.  Raises Spent."""
-        if self.budget is not None and self.done >= self.budget:
+        if self.budget is not None and self.done + count > self.budget:
             raise Spent
         self.done += count
         if self.progress is not None:

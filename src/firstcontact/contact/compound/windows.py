@@ -19,7 +19,7 @@ from firstcontact.motion.translation import Translation
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
+    from firstcontact.body.kinds import Body, Shape
 
 SLABS = 16
 """Equal parts of the span that are looked at one by one, where more than a few pairs may meet."""
@@ -64,7 +64,7 @@ class Side:
         return swept_box(body.motion, first, last, piece.corners, 0.0)
 
 
-def _boxes_of(shape: Any) -> Boxes:
+def _boxes_of(shape: Shape) -> Boxes:
     """Corners (n, 3) of boxes around the pieces of a body, in its own frame; kept on it."""
     def found() -> Boxes:
         if not isinstance(shape, Compound):
@@ -75,7 +75,7 @@ def _boxes_of(shape: Any) -> Boxes:
     return _BOXES.of(shape, found)
 
 
-def _own_box(body: Any, corners: np.ndarray | None) -> Boxes:
+def _own_box(body: Shape, corners: np.ndarray | None) -> Boxes:
     found: Boxes = body.bounds() if corners is None else (corners.min(axis=0), corners.max(axis=0))
     return found
 

@@ -7,8 +7,8 @@ and its line passes all three sides on one hand, the triangle holds a point of i
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from flint import arb
@@ -21,6 +21,9 @@ from firstcontact.motion.relative.curved import CurvedPiece, terms
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.convex import NotConvex, convex_pieces
 from firstcontact.search.convex.tips import tips_of
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N, VectorOf
 
 BITS = 192
 MOST = 4
@@ -96,13 +99,13 @@ class TipWays:
         return [-dot(x, n), dot(_less(end, p), n), det(x, y, way), det(y, z, way), det(z, x, way)]
 
 
-def _less(x: Sequence[Any], y: Sequence[Any]) -> Vector:
+def _less(x: Iterable[N], y: Iterable[N]) -> VectorOf[N]:
     """x - y, of series or balls."""
     a, b, c = (s - t for s, t in zip(x, y, strict=True))
     return a, b, c
 
 
-def _point(x: Sequence[Any]) -> Vector:
+def _point(x: Iterable[N]) -> VectorOf[N]:
     p, q, r = x
     return p, q, r
 

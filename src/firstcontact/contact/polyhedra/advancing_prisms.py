@@ -8,7 +8,7 @@ exact where those of screws are not.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
@@ -20,6 +20,9 @@ from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 
 def without_advance(query: Query) -> Query | Apart | None:
@@ -46,7 +49,7 @@ def without_advance(query: Query) -> Query | Apart | None:
     return Apart() if first > last else replace(query, a=tall, b=b, first=first, last=last)
 
 
-def _level(body: Any, normal: Vector) -> tuple[Any, fmpq] | None:
+def _level(body: Body, normal: Vector) -> tuple[Body, fmpq] | None:
     """The body without its advance along the normal, and how fast its heights grow; None for other motions."""
     if not isinstance(body, Moving):
         return body, fmpq(0)

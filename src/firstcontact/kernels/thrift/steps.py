@@ -10,6 +10,7 @@ from typing import Any
 from llvmlite.binding import FunctionPassManager, ModuleRef, PassBuilder, create_new_function_pass_manager
 from numba.core import base, compiler_machinery, config, errors, event, interpreter, ir, postproc, ssa
 from numba.core.codegen import CPUCodegen, CPUCodeLibrary
+from numba.core.compiler import StateDict
 from numba.core.compiler_machinery import CompilerPass, PassManager
 from numba.core.targetconfig import ConfigStack, TargetConfig
 from numba.core.transforms import canonicalize_cfg
@@ -92,7 +93,7 @@ def _optimize_once(library: CPUCodeLibrary) -> None:
     passes.run(module, builder)
 
 
-def _take_step(manager: PassManager, _: int, step: CompilerPass, state: Any) -> None:
+def _take_step(manager: PassManager, _: int, step: CompilerPass, state: StateDict) -> None:
     """A step of a compilation, without a description of it for those who listen, and without a look at a clock."""
     step.analysis = manager._analysis
     changed = [step.run_initialization(state), step.run_pass(state), step.run_finalizer(state)]
@@ -100,7 +101,7 @@ def _take_step(manager: PassManager, _: int, step: CompilerPass, state: Any) -> 
         postproc.PostProcessor(state.func_ir).run()
 
 
-def _mend_some(reader: interpreter.Interpreter, steps: Sequence[Any], code: ir.FunctionIR) -> ir.FunctionIR:
+def _mend_some(reader: interpreter.Interpreter, steps: Sequence[object], code: ir.FunctionIR) -> ir.FunctionIR:
     """What is left of `with` is removed where there is any."""
     left = any(name.startswith("$setup_with_exitfn") for name in code._definitions)
     mended: ir.FunctionIR = _mend(

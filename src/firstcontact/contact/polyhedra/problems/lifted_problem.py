@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -84,13 +83,13 @@ def walk_lifted(
         scratch.room = larger(scratch.room)
 
 
-def motion_of(problem: Any) -> tuple[np.ndarray, float, tuple[float, float]]:
+def motion_of(problem: ByEngine) -> tuple[np.ndarray, float, tuple[float, float]]:
     """(the motion as rows, a time after which certainly nothing meets, errors of the parts of a and of b)."""
     reach = parting(problem) if isinstance(problem, TranslationProblem) else math.inf
     return np.atleast_2d(problem.motion), reach, (problem.error_a, problem.error_b)
 
 
-def _parts_that_may_meet(problem: Any) -> tuple[np.ndarray, np.ndarray]:
+def _parts_that_may_meet(problem: ByEngine) -> tuple[np.ndarray, np.ndarray]:
     """Of the parts of a and of b, false for those that meet nothing of the other body at any time."""
     xyz_a, xyz_b = problem.tree_a.xyz, problem.tree_b.xyz
     if isinstance(problem, TranslationProblem):
