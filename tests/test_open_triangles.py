@@ -1,6 +1,8 @@
 """What doubles leave open of a mesh before a solid: exact arithmetic looks first at the triangles that may be first."""
 
+import sys
 from fractions import Fraction as F
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +10,9 @@ import pytest
 import firstcontact as fc
 from amount import amount
 from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept
+
+sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
+from soaks.stairs import stairs  # noqa: E402
 
 WALLS = 6
 """Triangles across the way of a ball of radius 1, in x = 1, 2, ...; its centre starts in x = -5 at a speed of 30."""
@@ -34,16 +39,6 @@ def test_the_first_of_the_triangles_that_are_open_is_told(monkeypatch, order):
 # -- slanted stairs of long triangles, which trees keep in parts, before a pin: their points tell what is too late ---
 
 SHARES = np.concatenate([np.eye(3), np.random.default_rng(0).dirichlet((0.6, 0.6, 0.6), 60)])
-
-
-def stairs(rng):
-    """Vertices (2 n, 3) and triangles: n steps, turned somehow."""
-    n = int(rng.integers(10, 40))
-    x, z = np.sort(rng.uniform(-1, 1, n)), np.cumsum(rng.choice([0.0, 0.1, -0.1], n))
-    corners = np.array([(x[k], y, z[k]) for k in range(n) for y in (-3, 3)])
-    turn = np.linalg.qr(rng.normal(size=(3, 3)) * [1, 1, 0.3] + 2 * np.eye(3))[0]
-    faces = [t for k in range(0, 2 * n - 2, 2) for t in ((k, k + 1, k + 2), (k + 1, k + 3, k + 2))]
-    return (corners @ turn.T).round(4), faces
 
 
 def pin(radius, tip):

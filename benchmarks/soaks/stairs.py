@@ -26,7 +26,7 @@ Place = Callable[[float], np.ndarray]
 def stairs_and_pin(rng: Random) -> Scene:
     """A cone on a cylinder, its tip below, that falls, swings or screws into the stairs."""
     random = np.random.default_rng(rng.getrandbits(32))
-    corners, faces = _stairs(random)
+    corners, faces = stairs(random)
     away = random.integers(-9, 10, 3) * int(random.choice([0, 1, 30]))
     radius, tip = (int(x) for x in random.integers(5, 30, 2))
     start = (random.uniform(-1.5, 1.5, 3) + [0, 0, 2.5]).round(4)
@@ -60,7 +60,8 @@ span = None
     return Scene(source, kind, tuple(Question(*call) for call in calls))
 
 
-def _stairs(random: np.random.Generator) -> tuple[np.ndarray, list[tuple[int, int, int]]]:
+def stairs(random: np.random.Generator) -> tuple[np.ndarray, list[tuple[int, int, int]]]:
+    """Vertices (2 n, 3) and triangles: n steps, turned somehow."""
     n = int(random.integers(10, 40))
     x, z = np.sort(random.uniform(-1, 1, n)), np.cumsum(random.choice([0.0, 0.1, -0.1], n))
     corners = np.array([(x[k], y, z[k]) for k in range(n) for y in (-3, 3)])

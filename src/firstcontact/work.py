@@ -180,6 +180,10 @@ class Query:
         """Whether any way may answer."""
         return not self.exact and self.method == "auto"
 
+    def tolerance_within(self, first: fmpq, last: fmpq) -> float:
+        """The tolerance of a part of the span whose answer is to be as close in time as that to the whole."""
+        return self.tolerance * to_double((self.end - self.first) / (last - first)) if last > first else self.tolerance
+
     def is_enough(self, free_until: float) -> bool:
         """Whether it does not matter what is proved of later times."""
         return self.enough is not None and exact_value(free_until) >= self.enough

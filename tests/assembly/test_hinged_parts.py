@@ -10,7 +10,7 @@ from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism  # noqa: E402
 from OCP.gp import gp_Pnt, gp_Vec  # noqa: E402
 
 import firstcontact as fc  # noqa: E402
-from step import shapes  # noqa: E402
+import step_shapes as shapes  # noqa: E402
 
 
 def prism(corners, lo, hi):

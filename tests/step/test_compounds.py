@@ -105,3 +105,20 @@ def test_pieces_within_others_are_never_free_of_new_contact():
     small, large = meshes((1, 1, 1), (-1, 0, 0), (1, 0, 0)), meshes((8, 8, 8), (0, 0, 0), (0, 0, 20))
     hit = fc.first_new_contact(small.moving(fc.Translation((0, 1, 0))), large)
     assert hit.status is fc.Status.INITIAL_CONTACT and hit.allowed is None
+
+
+@pytest.mark.parametrize("is_drawn_first", [False, True])
+def test_what_pictures_have_of_a_body_is_made_once_and_goes_with_it(is_drawn_first):
+    calls = []
+
+    def shown():
+        calls.append(1)
+        return [Piece(fc.examples.box((2, 2, 2)), Walls())]
+
+    row = Compound([Piece(fc.box((2, 2, 2)), Walls())], shown=shown)
+    if is_drawn_first:
+        assert row.shown[0].body.vertices.max() == 1
+    moved = row.translated((5, 0, 0)).translated((1, 0, 0))
+    assert pickle.loads(pickle.dumps(moved)).translated((1, 0, 0)).shown[0].body.vertices[:, 0].max() == 8
+    assert moved.shown[0].body.vertices[:, 0].max() == 7 and row.shown[0].body.vertices[:, 0].max() == 1
+    assert len(calls) == 1

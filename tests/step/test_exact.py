@@ -13,8 +13,8 @@ from OCP.gp import gp_Pnt  # noqa: E402
 from OCP.TopAbs import TopAbs_State  # noqa: E402
 
 import firstcontact as fc  # noqa: E402
+import step_shapes as shapes  # noqa: E402
 from firstcontact.search.convex import advance  # noqa: E402
-from step import shapes  # noqa: E402
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
 import step_random  # noqa: E402

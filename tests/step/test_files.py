@@ -18,8 +18,8 @@ from OCP.TopLoc import TopLoc_Location  # noqa: E402
 from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool  # noqa: E402
 
 import firstcontact as fc  # noqa: E402
+import step_shapes as shapes  # noqa: E402
 from firstcontact.cli import run  # noqa: E402
-from step import shapes  # noqa: E402
 
 
 def assembly(path):

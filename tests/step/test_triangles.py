@@ -11,11 +11,11 @@ from OCP.IntTools import IntTools_FClass2d  # noqa: E402
 from OCP.TopAbs import TopAbs_State  # noqa: E402
 
 import firstcontact as fc  # noqa: E402
+import step_shapes as shapes  # noqa: E402
 from firstcontact.step.bounds import _derivative_bounds, _less, _times  # noqa: E402
 from firstcontact.step.reader import Shape  # noqa: E402
 from firstcontact.step.solids import Solid  # noqa: E402
 from firstcontact.step.triangles import triangulated  # noqa: E402
-from step import shapes  # noqa: E402
 
 SHAPES = {
     "cylinder": lambda: shapes.cylinder(2, 5),

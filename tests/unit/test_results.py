@@ -227,3 +227,8 @@ def test_bad_settings_are_named(keyword):
 def test_a_name_is_no_body():
     with pytest.raises(fc.UnsupportedPair, match="'lid' is no body"):
         fc.first_contact("lid", CUBE)
+
+
+def test_a_contact_of_elements_that_are_not_told_says_so():
+    hit = fc.FirstContact(fc.Status.CONTACT, time=0.5, time_interval=(0.5, 0.5), free_until=0.5)
+    assert "which elements meet is not told" in str(hit) and "None" not in str(hit)

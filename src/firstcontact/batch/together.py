@@ -9,7 +9,6 @@ import numpy as np
 
 from firstcontact.batch.part import Asking
 from firstcontact.batch.questions import Questions
-from firstcontact.body.kept import KeptOfTwo
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.each import Place, is_taken
 from firstcontact.contact.polyhedra.each_rotation import EachRotation
@@ -25,7 +24,6 @@ FEWEST = 8
 _STATUS = np.zeros(4, np.uint8)
 """By what walks tell; 0 of what they leave open."""
 _STATUS[[FREE, MET, TIMED]] = [STATUSES.index(status) for status in ("FREE", "CONTACT", "CONTACT")]
-_CONTAINED = KeptOfTwo[bool]()
 
 
 def walk_together(questions: Questions, asking: Asking, rows: Rows) -> np.ndarray:
@@ -38,7 +36,7 @@ def walk_together(questions: Questions, asking: Asking, rows: Rows) -> np.ndarra
         for some in _groups(questions, where, motions):
             some_rows = where[some]
             a, b = (questions.bodies[side[some_rows[0]]] for side in (questions.a, questions.b))
-            if len(some_rows) >= FEWEST and is_taken(a, b) and not _is_contained(a, b):
+            if len(some_rows) >= FEWEST and is_taken(a, b) and contained(a, b) is None:
                 each = _each(a, b, motions[some], ends[some])
                 _walk(each, some_rows, ends[some], asking.budget, rows, done)
     return done
@@ -74,11 +72,6 @@ def _each(
     if isinstance(motions, Translations):
         return EachTranslation(a, b, motions.vectors, ends)
     return EachRotation(a, b, motions, ends)
-
-
-def _is_contained(a: Polyhedron, b: Polyhedron) -> bool:
-    """Whether a body lies inside the other one as they stand; kept on a while b is the same."""
-    return _CONTAINED.of(a, b, lambda: contained(a, b) is not None)
 
 
 def _walk(

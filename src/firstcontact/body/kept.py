@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -51,10 +52,13 @@ class Kept(Generic[T]):
 
 
 class KeptOfTwo(Generic[T]):
-    """A place on every body for what is worked out about it and another one, kept while that is the same."""
+    """A place on every body for what is worked out about it and another one, kept while that is the same.
+
+    The other one is not kept alive.
+    """
 
     def __init__(self) -> None:
-        self._place = Kept[tuple[Keeping, T]]()
+        self._place = Kept[tuple[weakref.ref[Keeping], T]]()
 
     def of(self, body: Keeping, other: Keeping, make: Callable[[], T]) -> T:
         """What is kept; `make` is asked for it where nothing is.  None is not kept."""
@@ -63,7 +67,7 @@ class KeptOfTwo(Generic[T]):
 
     def get(self, body: Keeping, other: Keeping) -> T | None:
         known = self._place.get(body)
-        return known[1] if known is not None and known[0] is other else None
+        return known[1] if known is not None and known[0]() is other else None
 
     def put(self, body: Keeping, other: Keeping, value: T) -> T:
-        return self._place.put(body, (other, value))[1]
+        return self._place.put(body, (weakref.ref(other), value))[1]

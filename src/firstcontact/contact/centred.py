@@ -38,44 +38,43 @@ _COPIES = Kept[dict[tuple[Vector, str | None], Any]]()
 
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
     """What `answer` tells of the query."""
-    by = _shift(query, FAR)
-    return answer(query) if by is None else _carried_back(answer(_shifted(query, by)), by, query)
+    found = first_anew(answer, query, FAR)
+    return answer(query) if found is None else found
 
 
-def first_anew(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact | None:
-    """As `first`, of bodies that are not at the origin, for what doubles left open; None where they are there."""
-    by = _shift(query, BESIDE)
-    return None if by is None or not any(by) else _carried_back(answer(_shifted(query, by)), by, query)
-
-
-def _carried_back(found: FirstContact, by: Vector, query: Query) -> FirstContact:
+def first_anew(
+    answer: Callable[[Query], FirstContact], query: Query, far: float = BESIDE
+) -> FirstContact | None:
+    """What it tells of bodies so far from the origin, such as doubles left open; None of those that are nearer."""
+    by = _shift(query, far)
+    if by is None:
+        return None
     back = np.eye(4)
     back[:3, 3] = [-to_double(c) for c in by]
-    return carried(found, lambda time: back, query.a, query.b)
+    return carried(answer(_shifted(query, by)), lambda time: back, query.a, query.b)
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
     """What `answer` tells of the query."""
-    by = _shift(query, FAR)
-    return answer(query) if by is None else _back(answer(_shifted(query, by)), query)
+    found = intervals_anew(answer, query, FAR)
+    return answer(query) if found is None else found
 
 
-def intervals_anew(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals | None:
-    """As `intervals`, of bodies that are not at the origin, for what doubles left open; None where they are there."""
-    by = _shift(query, BESIDE)
-    return None if by is None or not any(by) else _back(answer(_shifted(query, by)), query)
-
-
-def _back(found: ContactIntervals, query: Query) -> ContactIntervals:
-    return replace(found, a=query.a, b=query.b)
+def intervals_anew(
+    answer: Callable[[Query], ContactIntervals], query: Query, far: float = BESIDE
+) -> ContactIntervals | None:
+    """As `first_anew`."""
+    by = _shift(query, far)
+    return None if by is None else replace(answer(_shifted(query, by)), a=query.a, b=query.b)
 
 
 def _shift(query: Query, far: float) -> Vector | None:
-    """What brings the smaller body to the origin; None where it is within so many of its sizes."""
+    """What brings the smaller body to the origin; None where it is within so many of its sizes, or there already."""
     size, middle, reach = min(_place(shape_of(query.a), query), _place(shape_of(query.b), query))
     if reach <= far * size:
         return None
-    return to_origin(middle, size)
+    by = to_origin(middle, size)
+    return by if any(by) else None
 
 
 def _place(shape: Shape, query: Query) -> _Place:

@@ -16,7 +16,6 @@ from flint import fmpq
 
 from firstcontact.body.kept import Kept
 from firstcontact.contact.carried import carried
-from firstcontact.exact.numbers import to_double
 from firstcontact.motion.linkage import Linkage, apart
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.reach import places
@@ -98,9 +97,7 @@ def _during(query: Query, run: Run, stats: Stats) -> Query:
     """The query about one run, with what is left of the budget; the tolerance is a share of all of the span."""
     a, b = (_cut(body, run) for body in query.bodies)
     left = None if query.budget is None else max(query.budget - stats.node_visits - stats.pair_tests, 0)
-    length = run[1] - run[0]
-    tolerance = query.tolerance * to_double((query.end - query.first) / length) if length else query.tolerance
-    return replace(query, a=a, b=b, first=run[0], last=run[1], budget=left, tolerance=tolerance)
+    return replace(query, a=a, b=b, first=run[0], last=run[1], budget=left, tolerance=query.tolerance_within(*run))
 
 
 def _cut(body: Body, run: Run) -> Body:

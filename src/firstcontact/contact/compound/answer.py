@@ -98,7 +98,7 @@ def _contact(sides: Sides, met: list[Told], interval: tuple[float, float], known
     """CONTACT of those pieces that may all touch first: told of the earliest whose elements are the bodies' own."""
     ordered = sorted(met, key=lambda x: (x.found.time, x.window.a, x.window.b))
     first = next((x for x in ordered if x.named), ordered[0])
-    pairs = list(dict.fromkeys(pair for x in ordered for pair in x.named)) or [_nameless(sides, first)]
+    pairs = list(dict.fromkeys(pair for x in ordered for pair in x.named)) or [_nameless(sides)]
     own = len(ordered) == 1
     found = first.found
     assert found.time is not None
@@ -111,9 +111,7 @@ def _contact(sides: Sides, met: list[Told], interval: tuple[float, float], known
     }  # fmt: skip
 
     def place() -> dict[str, object]:
-        return {
-            "point": found.point, "normal": found.normal, "contact_set": found.contact_set if own else None
-        }  # fmt: skip
+        return {"point": found.point, "normal": found.normal, "contact_set": found.contact_set if own else None}
 
     return FirstContact.deferring(told, place)
 
@@ -122,7 +120,7 @@ def _element(side: Side, piece: Piece | None, element: Element, which: str) -> E
     return element if piece is None else piece.element(element, side.name or which)
 
 
-def _nameless(sides: Sides, x: Told) -> ElementPair:
+def _nameless(sides: Sides) -> ElementPair:
     """Faces without a number, where pieces touch in the walls between them alone."""
     names = [side.name or which for side, which in zip(sides, "ab", strict=True)]
     return ElementPair(*(Element("face", name, -1, name) for name in names))

@@ -15,7 +15,7 @@ from flint import fmpq
 from firstcontact.contact.compound.answer import Told, combined, joined
 from firstcontact.contact.compound.windows import Window, side_of, windows
 from firstcontact.errors import InputError, UnsupportedPair
-from firstcontact.exact.numbers import Undecidable, above, below, exact_value, to_double
+from firstcontact.exact.numbers import Undecidable, above, below, exact_value
 from firstcontact.motion.moving import shape_of
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
@@ -78,11 +78,9 @@ def _about(
 
 def _sharply(asked: Query, query: Query) -> Query:
     """With the enclosure that the whole question allows, whose span is longer, and as narrow as comes."""
-    short, long = asked.last, query.last
-    if short is None or long is None or short <= asked.first:
+    if asked.last is None or query.last is None or asked.last <= asked.first:
         return asked
-    tolerance = query.tolerance * to_double((long - query.first) / (short - asked.first))
-    return replace(asked, tolerance=tolerance, sharp=True)
+    return replace(asked, tolerance=query.tolerance_within(asked.first, asked.last), sharp=True)
 
 
 def _asked(ask: Callable[[Query], FirstContact], query: Query) -> FirstContact:

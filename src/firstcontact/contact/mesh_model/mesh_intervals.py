@@ -19,7 +19,7 @@ from firstcontact.contact.centred import intervals_anew
 from firstcontact.contact.mesh_model.by_triangles import first, holds_model, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
-from firstcontact.contact.mesh_model.tip_ways import TipWays
+from firstcontact.contact.mesh_model.tip_ways import TipWays, ways_of
 from firstcontact.contact.models.certified import bounded
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.ways import Passed, Way, answered, decided
@@ -104,7 +104,9 @@ def _sweep_of(query: Query, work: Work, exactly: bool) -> _MeshSweep:
     mesh, model = shape_of(moving_mesh), shape_of(moving_model)
     parts = windows_of(a, b, query.first, query.end)
     width = query.tolerance * (parts[-1].last - parts[0].first)
-    tips = TipWays(mesh, model, curved_pieces(moving_mesh, moving_model, query.first, query.end), parts)
+    tips = None
+    if ways := ways_of(model):
+        tips = TipWays(mesh, ways, curved_pieces(moving_mesh, moving_model, query.first, query.end), parts)
     free, lasting = _Free(mesh, model, mesh_is_a, width, work), LastingOfMesh(mesh, Solid(model), mesh_is_a, tips)
 
     def touches_at_start() -> np.ndarray | None:

@@ -17,7 +17,7 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.vectors import Vector, cross, det, dot, sub
-from firstcontact.motion.relative.curved import CurvedPiece, terms
+from firstcontact.motion.relative.curved import CurvedPiece, step_at, terms
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.convex import NotConvex, convex_pieces
 from firstcontact.search.convex.tips import tips_of
@@ -30,6 +30,9 @@ MOST = 4
 """Triangles that one segment is tried with, those farthest behind the tip first."""
 
 
+Segment = tuple[Vector, Vector]
+
+
 class Pierced(NamedTuple):
     """A triangle, and a segment of the model, in its frame, that passes it."""
 
@@ -38,28 +41,31 @@ class Pierced(NamedTuple):
     end: Vector
 
 
+def ways_of(model: CompositeQuadric) -> list[Segment]:
+    """From each tip to a point inside its convex part; none of models that are no unions of such parts."""
+    try:
+        solids = convex_pieces(model).solids
+    except NotConvex:
+        return []
+    return [(_point(tip.point), _point(tip.witness)) for solid in solids for tip in tips_of(solid)]
+
+
 class TipWays:
-    """Of a polyhedron and a model.
+    """Of a polyhedron and a model, whose segments are `ways`.
 
     motions: of the polyhedron seen from the model, in order of time; forward: the windows in which time runs as in
-    these, not backwards.  None are known of models that are no unions of convex parts.
+    these, not backwards.
     """
 
     def __init__(
-        self, mesh: Polyhedron, model: CompositeQuadric, motions: list[CurvedPiece], forward: list[Window]
+        self, mesh: Polyhedron, ways: list[Segment], motions: list[CurvedPiece], forward: list[Window]
     ) -> None:
-        self.mesh, self.motions, self.forward = mesh, motions, forward
+        self.mesh, self.ways, self.motions, self.forward = mesh, ways, motions, forward
         self.corners = mesh.vertices[mesh.triangles]
-        try:
-            solids = convex_pieces(model).solids
-        except NotConvex:
-            solids = ()
-        tips = [tip for solid in solids for tip in tips_of(solid)]
-        self.ways: list[tuple[Vector, Vector]] = [(_point(tip.point), _point(tip.witness)) for tip in tips]
 
     def found(self, window: Window, t: float, pose: np.ndarray) -> Iterator[Pierced]:
         """Triangles that are proved to be pierced at t; pose (3, 4): of the polyhedron seen from the model, about."""
-        x = self.corners @ pose[:, :3].T + pose[:, 3] if self.ways else self.corners
+        x = self.corners @ pose[:, :3].T + pose[:, 3]
         for way in self.ways:
             yield from (at for k in _passed(x, *way) if self.stays(window, t, t, at := Pierced(k, *way)))
 
@@ -87,7 +93,7 @@ class TipWays:
         """The step of the motion that a window is of, and the sense of time in it."""
         sign = 1 if any(window.a is x.a and window.b is x.b for x in self.forward) else -1
         middle = sign * (exact_value(window.first) + exact_value(window.last)) / 2
-        return min(self.motions, key=lambda m: max(m.start - middle, middle - m.end)), sign
+        return step_at(self.motions, middle), sign
 
     def _heights(self, pose: list[list[Any]], pierced: Pierced) -> list[Any]:
         """Of tip and end over the triangle's plane, and of its sides about the segment, as series; up to factors."""

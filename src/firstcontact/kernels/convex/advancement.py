@@ -234,6 +234,26 @@ def _upper_end(a, ma, b, mb, lo, near, width, inner, size, w, c):
 
 
 @uncounted
+def size_of(a, i, b, j):
+    """The largest extent of the boxes of two pieces."""
+    size = 0.0
+    for k in range(3, 6):
+        size = max(size, a[i, BOX + k], b[j, BOX + k])
+    return size
+
+
+@uncounted
+def way_between(ma, mb, t, w):
+    """From the origin of a's frame to that of b's at t, x where they are one: where to look for a direction first."""
+    pose_at(ma, t, w, HERE_A)
+    pose_at(mb, t, w, HERE_B)
+    n0, n1, n2 = w[HERE_B, 9] - w[HERE_A, 9], w[HERE_B, 10] - w[HERE_A, 10], w[HERE_B, 11] - w[HERE_A, 11]
+    if n0 == 0.0 and n1 == 0.0 and n2 == 0.0:
+        n0 = 1.0
+    return n0, n1, n2
+
+
+@uncounted
 def directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
     """(distance, n, rows of the simplex, gap): a separating direction at t, searched from n on."""
     pose_at(ma, t, w, HERE_A)
@@ -270,16 +290,10 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
     `kernels.poses`; inner <= last: the latest time at which a contact may be claimed; width: of its interval; budget:
     strides.  w, c: the workspace; results and counters are left there.
     """
-    size = 0.0
-    for k in range(3, 6):
-        size = max(size, a[i, BOX + k], b[j, BOX + k])
+    size = size_of(a, i, b, j)
     near = max(width / 64.0, 4e-16 * max(abs(first), abs(last)))
     t = first
-    pose_at(ma, t, w, HERE_A)
-    pose_at(mb, t, w, HERE_B)
-    n0, n1, n2 = w[HERE_B, 9] - w[HERE_A, 9], w[HERE_B, 10] - w[HERE_A, 10], w[HERE_B, 11] - w[HERE_A, 11]
-    if n0 == 0.0 and n1 == 0.0 and n2 == 0.0:
-        n0 = 1.0
+    n0, n1, n2 = way_between(ma, mb, t, w)
     distance, n0, n1, n2, count, g = directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c)
     w[RESULTS, FREE_UNTIL], w[RESULTS, GAP] = t, max(g, 0.0)
     if g <= 0.0:

@@ -8,20 +8,17 @@ from __future__ import annotations
 
 import math
 
-from firstcontact.kernels.convex.advancement import BY_FORMS, directed
+from firstcontact.kernels.convex.advancement import BY_FORMS, directed, size_of, way_between
 from firstcontact.kernels.convex.candidate import choose_parts, contact_normal, guess_by_forms
 from firstcontact.kernels.convex.shared_point import deepen
-from firstcontact.kernels.convex.support import BOX, FORMS
+from firstcontact.kernels.convex.support import FORMS
 from firstcontact.kernels.convex.touch_system import local_point, moving_form, place_frames
 from firstcontact.kernels.jit import uncounted
-from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import (
     ACTIVE,
     BEGAN,
     COUNT,
     FORM,
-    HERE_A,
-    HERE_B,
     INVERSE_A,
     MODE,
     NEWTON,
@@ -238,18 +235,12 @@ def place_of_touch(a, i, ma, b, j, mb, first, last, t, width, w, c):
     forms, and so are the frames.  The guess starts from earlier times, at which the pieces are so far apart that
     doubles tell their nearest points.
     """
-    size = 0.0
-    for k in range(3, 6):
-        size = max(size, a[i, BOX + k], b[j, BOX + k])
+    size = size_of(a, i, b, j)
     back = 1e-3 * (last - first)
     for _ in range(3):
         s = max(t - back, first)
         back *= 1e-3
-        pose_at(ma, s, w, HERE_A)
-        pose_at(mb, s, w, HERE_B)
-        n0, n1, n2 = w[HERE_B, 9] - w[HERE_A, 9], w[HERE_B, 10] - w[HERE_A, 10], w[HERE_B, 11] - w[HERE_A, 11]
-        if n0 == 0.0 and n1 == 0.0 and n2 == 0.0:
-            n0 = 1.0
+        n0, n1, n2 = way_between(ma, mb, s, w)
         _, n0, n1, n2, count, gap = directed(a, i, ma, b, j, mb, s, n0, n1, n2, w, c)
         if gap <= 0.0 or not place_frames(ma, mb, s, w):
             continue
@@ -270,12 +261,10 @@ def place_of_touch(a, i, ma, b, j, mb, first, last, t, width, w, c):
 @uncounted
 def better_place(a, ma, b, mb, w, c):
     """As `place_of_touch`, from the guess by forms that is in the workspace."""
-    i, j, size = c[PART], c[PART + 1], 0.0
+    i, j = c[PART], c[PART + 1]
     if not place_frames(ma, mb, w[UNKNOWN, 3], w):
         return 0.0
-    for k in range(3, 6):
-        size = max(size, a[i, BOX + k], b[j, BOX + k])
-    return _told(a, i, b, j, size, w, c)
+    return _told(a, i, b, j, size_of(a, i, b, j), w, c)
 
 
 @uncounted

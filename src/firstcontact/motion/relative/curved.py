@@ -170,6 +170,11 @@ class CurvedPiece:
         )
 
 
+def step_at(motions: Sequence[CurvedPiece], time: fmpq) -> CurvedPiece:
+    """The step that holds a time, or the nearest one where rounding took that beyond all."""
+    return min(motions, key=lambda m: max(m.start - time, time - m.end))
+
+
 def _turned(m: Sequence[Sequence[N]], v: Vector) -> Vector:
     return dot(m[0][:3], v), dot(m[1][:3], v), dot(m[2][:3], v)
 

@@ -51,7 +51,7 @@ from firstcontact.kernels.workspace import (
     workspace,
 )
 from firstcontact.motion.moving import shape_of
-from firstcontact.motion.relative.curved import CurvedPiece
+from firstcontact.motion.relative.curved import CurvedPiece, step_at
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.search.convex.close_up import CloseUp, Passage
@@ -393,9 +393,7 @@ class PieceSearch:
     def _motion(self, window: Window) -> CurvedPiece:
         """The step of the motion in a window, exact."""
         assert self.motions is not None
-        middle = (_exact(window.first) + _exact(window.last)) / 2
-        # one holds it, but for the window's rounding
-        return min(self.motions(), key=lambda m: max(m.start - middle, middle - m.end))
+        return step_at(self.motions(), (_exact(window.first) + _exact(window.last)) / 2)
 
     def _close_up(self, window: Window, i: int, j: int) -> CloseUp | None:
         """None where balls do not follow these pieces: the union of all has no forms of its own."""

@@ -6,7 +6,6 @@ the ray passes through no edge and no vertex; floats decide the triangles it cer
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Protocol, TypeVar
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.kept import Kept
+from firstcontact.body.kept import Kept, KeptOfTwo
 from firstcontact.body.polyhedron.topology import component_of_vertices
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision, sign, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, apply, inverse_map
@@ -39,7 +38,7 @@ _LEAF = 4
 _LABELS = Kept[np.ndarray]()
 _COMPONENTS = Kept[list[int]]()
 _BOXES = Kept[np.ndarray]()
-_CONTAINED = Kept["tuple[weakref.ref[Polyhedron], tuple[str, int] | None]"]()
+_CONTAINED = KeptOfTwo[tuple["tuple[str, int] | None"]]()
 
 
 @uncounted
@@ -219,10 +218,7 @@ def contained(a: Polyhedron, b: Polyhedron) -> tuple[str, int] | None:
     The surfaces share no point.  The answer is kept for the next motion of the same two bodies.
     Raises Undecidable.
     """
-    known = _CONTAINED.get(a)
-    if known is None or known[0]() is not b:
-        known = _CONTAINED.put(a, (weakref.ref(b), _find_contained(a, b)))
-    return known[1]
+    return _CONTAINED.of(a, b, lambda: (_find_contained(a, b),))[0]
 
 
 def _find_contained(a: Polyhedron, b: Polyhedron) -> tuple[str, int] | None:
