@@ -6,7 +6,7 @@ import gc
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from functools import partial
+from functools import cache, partial
 from itertools import chain
 from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
@@ -53,7 +53,7 @@ FEW = 2000
 
 def questions() -> dict[str, Question]:
     """Questions by what they are about."""
-    return dict(chain(*_families()))
+    return dict(chain.from_iterable(map(_questions_of, range(len(_FAMILIES)))))
 
 
 def warm(progress: Callable[[str], object] | None = None) -> int:
@@ -76,26 +76,29 @@ def warm_together(processes: int, progress: Callable[[str], object] | None = Non
     and locks of whoever calls.
     """
     with ProcessPoolExecutor(processes, mp_context=get_context(begun_by), initializer=thrift.apply) as pool:
-        asked: dict[Future[int], tuple[str, Iterator[str]]] = {}
+        asked: dict[Future[tuple[str, int] | None], tuple[int, int]] = {}
 
-        def ask_next(left: Iterator[str]) -> None:
-            for name in left:
-                asked[pool.submit(_ask, name)] = name, left
-                return
+        def ask(family: int, k: int) -> None:
+            asked[pool.submit(_ask, family, k)] = family, k
 
-        first, beside, *later = (iter(dict(family)) for family in _families())
-        ask_next(first)
-        ask_next(beside)
+        first, beside, *later = range(len(_FAMILIES))
+        ask(first, 0)
+        ask(beside, 0)
         compiled = 0
         while asked:
             for done in wait(asked, return_when=FIRST_COMPLETED).done:
-                name, left = asked.pop(done)
-                compiled += done.result()
+                family, k = asked.pop(done)
+                if (answer := done.result()) is None:
+                    continue
+                name, more = answer
+                compiled += more
                 if progress is not None:
                     progress(name)
-                for family in (left, *(later if left is first else ())):
-                    ask_next(family)
-                later = [] if left is first else later
+                ask(family, k + 1)
+                if family == first:
+                    for each in later:
+                        ask(each, 0)
+                    later = []
     return compiled
 
 
@@ -104,23 +107,21 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _ask(name: str) -> int:
+def _ask(family: int, k: int) -> tuple[str, int] | None:
+    """The k-th question of a family: what it is about, and how many kernels were compiled.  Without one, None."""
+    questions = _questions_of(family)
+    if k == len(questions):
+        return None
     before = len(COMPILED)
-    questions()[name]()
+    name, ask = questions[k]
+    ask()
     gc.freeze()  # garbage is not looked for, by nobody and not at the end: the process ends soon
-    return len(COMPILED) - before
+    return name, len(COMPILED) - before
 
 
-def _families() -> Iterator[Iterator[tuple[str, Question]]]:
-    """Questions that share most of their kernels; the first two share none, those next compile longest."""
-    yield _of_meshes()
-    yield _of_curves()
-    yield _of_engine("lifted")
-    yield _of_solids()
-    yield _of_ruled_surfaces()
-    yield _of_tool_paths()
-    yield _of_engine("sweep")
-    yield _of_engine("composed")
+@cache
+def _questions_of(family: int) -> list[tuple[str, Question]]:
+    return list(_FAMILIES[family]())
 
 
 def _of_engine(engine: str) -> Iterator[tuple[str, Question]]:
@@ -214,3 +215,16 @@ def _notched() -> Polyhedron:
     sides = [[k, (k + 1) % 6, 6 + (k + 1) % 6, 6 + k] for k in range(6)]
     rings = [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11]]
     return Polyhedron([(x, y, z) for z in (0, 1) for x, y in corners], rings + sides)
+
+
+_FAMILIES: list[Callable[[], Iterator[tuple[str, Question]]]] = [
+    _of_meshes,
+    _of_curves,
+    partial(_of_engine, "lifted"),
+    _of_solids,
+    _of_ruled_surfaces,
+    _of_tool_paths,
+    partial(_of_engine, "sweep"),
+    partial(_of_engine, "composed"),
+]
+"""Questions that share most of their kernels; the first two share none, those next compile longest."""

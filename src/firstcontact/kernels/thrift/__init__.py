@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import gc
 
-from firstcontact.kernels.thrift import code, elements, steps
+from firstcontact.kernels.thrift import code, effort, elements, steps
 
 
 def apply() -> None:
     gc.disable()
-    for part in (steps, code, elements):
+    for part in (steps, effort, code, elements):
         part.apply()

@@ -16,6 +16,7 @@ from numba.core import types
 from numba.core.base import BaseContext
 from numba.core.cgutils import _StructProxy
 from numba.core.datamodel import default_manager
+from numba.extending import overload
 from numba.np import arrayobj
 
 from firstcontact.kernels.thrift.replaced import put
@@ -30,7 +31,20 @@ def apply() -> None:
     model: Any = default_manager[types.Array(types.float64, 1, "C")]
     if model._fields != tuple(_FIELDS):
         raise AttributeError(f"arrays of Numba {numba.__version__} have the fields {model._fields}")
-    put(arrayobj, make_array=_make_array, basic_indexing=_basic_indexing)
+    put(arrayobj, make_array=_make_array, basic_indexing=_basic_indexing, raise_with_shape_context=_shapes_differ)
+
+
+def _shapes_differ(src_shapes: tuple[int, ...], index_shape: tuple[int, ...]) -> None:
+    """What an array cannot be assigned from: no kernel comes here, and a text with numbers takes all strings' code."""
+    raise NotImplementedError
+
+
+@overload(_shapes_differ)
+def _overload_shapes_differ(src_shapes: Any, index_shape: Any) -> Callable[[Any, Any], None]:
+    def differ(src_shapes: Any, index_shape: Any) -> None:
+        raise ValueError("an array is assigned from one of another shape")
+
+    return differ
 
 
 def _make_array(kind: types.Array) -> type[_StructProxy] | Callable[..., _StructProxy | _Known]:

@@ -23,7 +23,6 @@ from firstcontact.kernels.thrift.replaced import no_context, nothing, put
 
 _after: Any = postproc.PostProcessor.run
 _typed: Any = BaseFunction.get_call_type
-_optimize: Any = CPUCodeLibrary._optimize_final_module
 _mend: Any = interpreter.Interpreter.post_process
 _typed_value: Any = context.BaseContext.resolve_value_type
 _assign_once: Any = ssa._run_ssa
@@ -32,7 +31,7 @@ _decorator: Any = _OverloadFunctionTemplate._get_jit_decorator
 
 def apply() -> None:
     put(TargetConfig, __eq__=_equal_options, __hash__=_hash_of_options)
-    put(CPUCodeLibrary, _optimize_functions=_tidy, _optimize_final_module=_optimize_once)
+    put(CPUCodeLibrary, _optimize_functions=_tidy)
     put(PassManager, _runPass=_take_step)
     put(config, reload_config=nothing)  # of the environment, for each function
     put(interpreter.Interpreter, post_process=_mend_some)
@@ -81,16 +80,6 @@ def _tidying(codegen: CPUCodegen) -> tuple[FunctionPassManager, PassBuilder]:
     passes.add_simplify_cfg_pass()
     passes.add_aggressive_dce_pass()
     return passes, codegen._pass_builder()
-
-
-def _optimize_once(library: CPUCodeLibrary) -> None:
-    """Numba optimizes a little first to find counts of references that cancel: in vain where nothing is counted."""
-    module = library._final_module
-    if any(function.name == "NRT_incref" for function in module.functions):
-        _optimize(library)
-        return
-    passes, builder = library._codegen._module_pass_manager()
-    passes.run(module, builder)
 
 
 def _take_step(manager: PassManager, _: int, step: CompilerPass, state: StateDict) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from firstcontact.kernels.jit import kernel
 from firstcontact.search.lifted.facet_halving import Facets, Paths, halve_facets
 from firstcontact.search.lifted.halving import Edges, Room, halve
 from firstcontact.search.lifted.lifted_motion import arc_of
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 # Phases: edges against facets at the start, then within each arc the three kinds of contact.
 EDGES_AT_START, FACETS_AT_START, EDGES, CORNERS, FACETS, PHASES = range(6)
+# Here edges or vertices of b are put to facets of a.
+_OF_B = FACETS_AT_START, FACETS
 
 
 class Body(NamedTuple):
@@ -59,14 +62,10 @@ def lifted_walk(
                 continue
         if phase in searches:
             reason = searches[phase](arc)
-        elif phase == EDGES:
-            reason = halve(a.edges, b.edges, *frame, room, motion, arc, reach, *search)
         else:
-            by_a = phase in (EDGES_AT_START, CORNERS)
-            asker, asked = (a, b) if by_a else (b, a)
-            still = phase < EDGES
-            paths = asker.still if still else asker.corners
-            reason = halve_facets(paths, asked.facets, *frame, room, still, not by_a, motion, arc, reach, *search)
+            asker, asked = (b, a) if phase in _OF_B else (a, b)
+            paths = asker.still if phase < EDGES else asker.corners
+            reason = _halve(phase, a.edges, b.edges, paths, asked.facets, *frame, room, motion, arc, reach, *search)
         if reason != DONE:
             return reason
         integers[STACK], integers[QUERY] = 1, 0
@@ -74,3 +73,16 @@ def lifted_walk(
         if phase + 1 == PHASES:
             integers[PHASE] = EDGES
             integers[ARC] += 1
+
+
+@kernel
+def _halve(phase, edges_a, edges_b, paths, facets, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, err_b,
+           limit, floats, integers, times, candidates):  # fmt: skip
+    """Go on with the phase; returns why it stopped.  One kernel of both kinds: most of what they call is shared."""
+    if phase == EDGES:
+        return halve(edges_a, edges_b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, err_b, limit,
+                     floats, integers, times, candidates)  # fmt: skip
+    return halve_facets(
+        paths, facets, origin, scale, room, phase < EDGES, phase in _OF_B, motion, arc, reach, xyz_a, xyz_b,
+        err_a, err_b, limit, floats, integers, times, candidates,
+    )  # fmt: skip
