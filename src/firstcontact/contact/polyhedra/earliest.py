@@ -86,6 +86,7 @@ class Problem(Protocol):
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int: ...
     def contact(self, element_a: Feature, element_b: Feature) -> Instant | None: ...
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> Instant | None: ...
+    def tied_with(self, pair: Pair, instant: Any, others: Sequence[Pair]) -> Sequence[Pair]: ...
     def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None: ...
 
     # all windows
@@ -432,11 +433,27 @@ class _Search:
 
     def _settle_waiting(self) -> None:
         """Exact times of the certain pairs, until the next lower bound lies behind the best."""
-        for lo, hi, row in sorted(self.waiting):
+        best = float(self.state.floats[BEST])
+        waiting = [(lo, hi, self._pair(row)) for lo, hi, row in sorted(self.waiting) if lo <= best]
+        for k, (lo, hi, pair) in enumerate(waiting):
             if lo > self.state.floats[BEST]:
                 break
-            self._decide(self._pair(row), lo, hi)
+            self._decide(pair, lo, hi)
+            if k == 0:
+                self._take_tied(pair, [later for _, _, later in waiting[1:]])
         self.waiting.clear()
+
+    def _take_tied(self, pair: Pair, waiting: list[Pair]) -> None:
+        """Those of the certain pairs that are told to meet at the very time of the pair."""
+        instant = self.decided.get(pair)
+        if instant is None:
+            return
+        left = [other for other in dict.fromkeys(waiting) if other not in self.decided]
+        tied = self.problem.tied_with(pair, instant, left)
+        self.decided.update(dict.fromkeys(tied, instant))
+        self.found.exact += len(tied)
+        if self.best is not None and self._order(instant, self.best) == 0:
+            self.tied += tied
 
     def _conclude(self) -> None:
         found = self.found
