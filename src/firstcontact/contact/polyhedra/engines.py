@@ -132,7 +132,7 @@ class ByEngine(ByTrees):
     def _tests_by_now(self, state: WalkState) -> int:
         """Pair tests after which `auto` leaves the boxes, as far as the walk has come."""
         most, floats = self.most_tests(), state.floats
-        if FEWEST <= most < state.integers[TESTS] and floats[KEY] >= (1.0 - TIED) * floats[BEST]:
+        if state.integers[TESTS] > most >= FEWEST and floats[KEY] >= (1.0 - TIED) * floats[BEST]:
             return max(most, TIED_SHARE * (len(self.tree_a.corners) + len(self.tree_b.corners)))
         return most
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from firstcontact.contact.polyhedra.earliest import Pair
 
 ZERO, ONE = fmpq(0), fmpz(1)
-FEWEST = 8
-"""Pairs from which on a plane is looked for."""
 
 
 def in_its_plane(
@@ -32,7 +30,7 @@ def in_its_plane(
 
     t is a root of their equations then (`pairs.elements.coplanar`).  None where the pair has no plane.
     """
-    if len(others) < FEWEST or a.fractions is not None or b.fractions is not None:
+    if a.fractions is not None or b.fractions is not None:
         return []
     way = t * v[0], t * v[1], t * v[2]
     x, y = [along(p, t, v) for p in corners_of(a, pair[1])], corners_of(b, pair[2])
