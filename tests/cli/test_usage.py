@@ -29,6 +29,15 @@ def test_main_leaves_with_the_exit_code(python, tmp_path, main):
     assert done.stderr == f"firstcontact: {tmp_path / 'none.toml'}: {fault}\n"
 
 
+def test_what_waits_for_the_end_of_the_process_is_done(python):
+    """It leaves without taking itself apart: not before what was registered for the end, nor while a thread works."""
+    done = python(f"import atexit; atexit.register(print, 'at the end', end=''); {MAIN}", "check", "none.toml")
+    assert (done.returncode, done.stdout) == (3, "at the end")
+    thread = "threading.Thread(target=lambda: [time.sleep(0.3), print('worked')]).start()"
+    done = python(f"import threading, time; {thread}; {MAIN}", "--version")
+    assert (done.returncode, done.stdout) == (0, f"firstcontact, version {fc.__version__}\nworked\n")
+
+
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_shells_complete_commands_and_options(python, shell):
     assert "firstcontact" in python(completing(f"{shell}_source")).stdout

@@ -17,6 +17,7 @@ import firstcontact
 from firstcontact import query
 from firstcontact.kernels import cache, notices
 from firstcontact.search.trees import translate, walk
+from firstcontact.search.trees.frame import twice_area_vectors
 
 EXTRAS = "distributed", "pyarrow", "pandas", "pyvista"
 ASK = """
@@ -41,6 +42,20 @@ def test_processes_that_start_together_compile_a_kernel_once(tmp_path):
     assert all(process.returncode == 0 for process in asking)
     misses, hits = map(sum, zip(*told, strict=True))
     assert (misses, hits) == (2, 6)  # of four processes, for an integer and a float: whoever came first
+
+
+FROM_FILE = """
+import sys
+import numpy as np
+from firstcontact.search.trees.frame import twice_area_vectors
+print(twice_area_vectors(np.eye(3), np.array([[0, 1, 2]])).tolist(), "numba.np.arraymath" in sys.modules)
+"""
+
+
+def test_kernels_from_files_load_nothing_to_compile_with():
+    assert twice_area_vectors(np.eye(3), np.array([[0, 1, 2]])).tolist() == [[1.0, 1.0, 1.0]]  # and it is in a file
+    done = subprocess.run([sys.executable, "-c", FROM_FILE], capture_output=True, text=True, check=True)
+    assert done.stdout == "[[1.0, 1.0, 1.0]] False\n"
 
 
 CALLED = """
@@ -77,6 +92,7 @@ import sys
 from pathlib import Path
 from firstcontact.kernels import cache, notices
 from firstcontact.search.trees import translate, walk
+from firstcontact.search.trees.frame import twice_area_vectors
 cache.SHIPPED, cache._ALL_SHIPPED = Path(sys.argv[1]), Path(sys.argv[1]).parent
 from firstcontact.kernels.jit import kernel
 def twice(x):

@@ -14,7 +14,7 @@ from firstcontact.batch.part import is_plain
 from firstcontact.batch.questions import asked
 from firstcontact.batch.workers import PART, Spare, is_worth_processes
 from firstcontact.errors import FirstContactError
-from firstcontact.result import ContactIntervals, FirstContact, Status
+from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
     from firstcontact.contact.ways import Answer
     from firstcontact.work import Arguments, CheckArguments, Shared
+
+_NO_WORK = Stats()
+"""One for all: to make one takes as long as to make the answer."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ def told_by_boxes(questions: Sequence[Question]) -> dict[int, Answer]:
         _, last = culling.SPAN
         shared: Shared = {"a": questions[k].a, "b": questions[k].b, "span": culling.SPAN}
         if questions[k].verb != "contact_intervals":
-            found[k] = FirstContact(Status.FREE, free_until=last, **shared)
+            found[k] = FirstContact(Status.FREE, free_until=last, stats=_NO_WORK, **shared)
         else:
             found[k] = ContactIntervals((), Status.FREE, last, **shared)
     return found

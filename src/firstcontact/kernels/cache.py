@@ -26,6 +26,7 @@ import numba
 import numpy as np
 from numba.core.caching import _Cache
 from numba.core.dispatcher import Dispatcher
+from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 
 from firstcontact.kernels.notices import announce
@@ -88,7 +89,9 @@ class KernelCache(_Cache):  # type: ignore[misc]
         return str(FOLDER)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        target_context.refresh()
+        """Without `target_context.refresh()`: what code is made with is loaded where it is made, which takes as long as
+        ten kernels from files."""
+        rtsys.initialize(target_context)
         if not self._enabled:
             return None
         triple, *native = target_context.codegen().magic_tuple()

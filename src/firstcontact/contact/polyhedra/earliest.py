@@ -52,6 +52,8 @@ if TYPE_CHECKING:
 
 # A contact in doubt need not be decided where the bodies certainly meet within this share of the window after it.
 SOON = 2.0**-40
+# Certain pairs from which on it is worth asking which of them are told together.
+SEVERAL = 8
 
 # A pair of elements in contact: kind (see `state`), element of a, element of b.
 Pair = tuple[int, Feature, Feature]
@@ -86,6 +88,7 @@ class Problem(Protocol):
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int: ...
     def contact(self, element_a: Feature, element_b: Feature) -> Instant | None: ...
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> Instant | None: ...
+    def tied_with(self, pair: Pair, instant: Any, others: Sequence[Pair]) -> Sequence[Pair]: ...
     def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None: ...
 
     # all windows
@@ -432,11 +435,35 @@ class _Search:
 
     def _settle_waiting(self) -> None:
         """Exact times of the certain pairs, until the next lower bound lies behind the best."""
-        for lo, hi, row in sorted(self.waiting):
+        waiting = sorted(self.waiting)
+        if len(waiting) > SEVERAL:
+            waiting = self._without_tied(waiting)
+        for lo, hi, row in waiting:
             if lo > self.state.floats[BEST]:
                 break
             self._decide(self._pair(row), lo, hi)
         self.waiting.clear()
+
+    def _without_tied(self, waiting: list[tuple[float, float, list[int]]]) -> list[tuple[float, float, list[int]]]:
+        """Decides the first two, and where they tie what is told to meet at the very same time too; what is left."""
+        firsts = []
+        for lo, hi, row in waiting[:2]:
+            if lo > self.state.floats[BEST]:
+                return []
+            firsts.append(self._pair(row))
+            self._decide(firsts[-1], lo, hi)
+        best = self.state.floats[BEST]
+        left = [x for x in waiting[2:] if x[0] <= best]
+        instant, second = map(self.decided.get, firsts)
+        if len(left) < SEVERAL or instant is None or second is None or self._order(instant, second) != 0:
+            return left
+        pairs = [self._pair(row) for _, _, row in left]
+        tied = set(self.problem.tied_with(firsts[0], instant, pairs)).difference(self.decided)
+        self.decided.update(dict.fromkeys(tied, instant))
+        self.found.exact += len(tied)
+        if self.best is not None and self._order(instant, self.best) == 0:
+            self.tied += tied
+        return [x for x, pair in zip(left, pairs, strict=True) if pair not in self.decided]
 
     def _conclude(self) -> None:
         found = self.found

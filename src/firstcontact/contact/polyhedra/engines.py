@@ -12,7 +12,8 @@ on how the bodies look (`tests_of_boxes`):
   almost at once.
 - One body is a set of points: there halving needs 10 to 20 tests a point, and boxes get TESTS_A_POINT; where all pairs
   are FEW_PAIRS at most, boxes need no more than that.
-- Else, as on ordinary meshes, they may spend more than ordinary scenes ever do.
+- Else, as on ordinary meshes, they may spend more than ordinary scenes ever do; and once all that is left is what meets
+  at the best time itself, as bodies that meet flat do in many places, about as much as halving takes.
 
 The plane sweep and the levels of `composed` are asked only by name, the latter also for lists of all pairs.
 """
@@ -28,10 +29,12 @@ from firstcontact.search.trees.crowding import crowding
 from firstcontact.search.trees.elements import Feature
 from firstcontact.search.trees.state import (
     ALL,
+    BEST,
     CANDIDATES,
     CROSSING_FOUND,
     DONE,
     HEAP,
+    KEY,
     LIFTED,
     SLICE_SPENT,
     STACK,
@@ -49,6 +52,9 @@ TESTS_AT_ONCE, MOST_AT_ONCE, TESTS_A_POINT, FEW_PAIRS = 1 / 256, 32, 1, 1 << 14
 FEW_VISITS = 4
 # Pair tests that ordinary scenes stay below: per primitive of both bodies, and never fewer than FEWEST.
 SHARE, FEWEST = 4, 4096
+# The same where what is left to look at meets within this share of the best time before it: halving takes a primitive
+# some 5 us, a pair test 0.1 us.
+TIED_SHARE, TIED = 32, 2.0**-30
 # Lists of all pairs change over at so many tests for each primitive and each pair listed so far; looked at every so
 # many node visits.
 LISTING_SHARE, LISTING_SLICE = 8, 16384
@@ -102,14 +108,14 @@ class ByEngine(ByTrees):
         if all_sides:
             return self._list_pairs(state, limit, with_start)
         if self.engine == "auto" and not integers[LIFTED]:
-            most = self.most_tests()
-            while most or integers[VISITS] < FEW_VISITS:
+            while (most := self._tests_by_now(state)) or integers[VISITS] < FEW_VISITS:
                 left = most - int(integers[TESTS])
                 # a visit may be 15 tests: short steps where tests are few
                 step = max(FEW_VISITS, left if left >= FEWEST // 2 else left // 8)
                 slice_end = min(limit, int(integers[VISITS]) + step)
                 reason = self.advance_boxes(state, slice_end, with_start, all_sides)
-                if reason in (DONE, CROSSING_FOUND) or integers[TESTS] <= most:
+                spent = int(integers[TESTS])
+                if reason in (DONE, CROSSING_FOUND) or spent <= most or spent <= self._tests_by_now(state):
                     if reason != SLICE_SPENT or integers[VISITS] >= limit:
                         return reason
                     continue
@@ -122,6 +128,13 @@ class ByEngine(ByTrees):
         from firstcontact.contact.polyhedra.problems.lifted_problem import advance_lifted
 
         return advance_lifted(self, state, limit)
+
+    def _tests_by_now(self, state: WalkState) -> int:
+        """Pair tests after which `auto` leaves the boxes, as far as the walk has come."""
+        most, floats = self.most_tests(), state.floats
+        if state.integers[TESTS] > most >= FEWEST and floats[KEY] >= (1.0 - TIED) * floats[BEST]:
+            return max(most, TIED_SHARE * (len(self.tree_a.corners) + len(self.tree_b.corners)))
+        return most
 
     def _is_tiny(self) -> bool:
         """Whether the bodies are, and what lies between them."""

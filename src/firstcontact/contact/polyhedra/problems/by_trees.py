@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from firstcontact.search.trees.state import WalkState
 from firstcontact.search.trees.tree import Tree
 from firstcontact.search.trees.walk import walk
 from firstcontact.search.trees.windows import collect
+
+if TYPE_CHECKING:
+    from firstcontact.contact.polyhedra.earliest import Pair
 
 
 class ByTrees:
@@ -29,6 +35,10 @@ class ByTrees:
     def window(self) -> tuple[float, float]:
         """(last, sure last): outward and inward doubles around the end of the window."""
         raise NotImplementedError
+
+    def tied_with(self, pair: Pair, instant: Any, others: Sequence[Pair]) -> Sequence[Pair]:
+        """Of pairs that floats have proved to meet, once, some that meet at the very instant of the pair."""
+        return ()
 
     def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk over trees of boxes; the reason it came back."""

@@ -6,13 +6,14 @@ import math
 import sys
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq, fmpz
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.engines import ByEngine
+from firstcontact.contact.polyhedra.problems.shared_plane import in_its_plane
 from firstcontact.exact.numbers import Undecidable, below, dyadic, exact_value, fraction, sign, to_double
 from firstcontact.exact.rigid import Matrix, shift
 from firstcontact.exact.times.instants import RationalInstant, enclose
@@ -26,6 +27,9 @@ from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, WholeCorners, corners_of
 from firstcontact.search.trees.frame import Frame, shared_frame, tree_of, view_in
 from firstcontact.search.trees.touch import Touch, translation_touch
+
+if TYPE_CHECKING:
+    from firstcontact.contact.polyhedra.earliest import Pair
 
 ZERO = fmpq(0)
 
@@ -108,6 +112,14 @@ class TranslationProblem(ByEngine):
             if time is not None:
                 return RationalInstant(time)
         return self.contact(element_a, element_b)
+
+    def tied_with(self, pair: Pair, instant: RationalInstant, others: Sequence[Pair]) -> Sequence[Pair]:
+        """Those in one plane with the pair then.  Their equations have one root: floats are certain of pairs only where
+        the speed certainly is not 0.
+        """
+        if not self.is_exact or not isinstance(instant.value, fmpq):
+            return ()
+        return in_its_plane(self.a, self.b, self.v, pair, instant.value, others)
 
     def possible(self, element_a: Feature, element_b: Feature) -> float:
         """A time before which the two elements, which no precision could decide, certainly do not meet."""
