@@ -81,13 +81,13 @@ def _built(solid: Solid, wanted: Wanted) -> Built:
     solid.check()
     flat = planar.polyhedron_of(solid)
     if flat is not None:
-        _check_volume(solid, flat.polyhedron.vertices, flat.polyhedron.triangles, flat.moved)
+        _check_volume(solid, flat.polyhedron.vertices[flat.polyhedron.triangles], flat.moved)
         piece = Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron))
         return Built((piece,), flat.moved, True, solid)
     if wanted.surfaces and (own := _by_surfaces(solid)) is not None:
         return own
     net = triangulated(solid, DEVIATION * solid.size if wanted.deviation is None else wanted.deviation)
-    _check_volume(solid, net.points, net.triangles, net.deviation)
+    _check_volume(solid, net.points[net.triangles], net.deviation)
     piece = _mesh_piece(solid, net)
     return Built((piece,), net.deviation, False, solid)
 
@@ -102,8 +102,8 @@ def _by_surfaces(solid: Solid) -> Built | None:
         Piece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
         for x in found
     ]
-    _check_volume(solid, rough.points, rough.triangles, rough.deviation)
-    shown = cache(lambda: (_mesh_piece(solid, rough),))
+    _check_volume(solid, rough.corners, rough.deviation)
+    shown = cache(lambda: (_mesh_piece(solid, triangulated(solid, rough.deviation)),))
     return Built(tuple(exact), off, True, solid, shown)
 
 
@@ -112,9 +112,10 @@ def _mesh_piece(solid: Solid, net: Net) -> Piece:
     return Piece(mesh, _names_of_triangles(solid, mesh, net))
 
 
-def _check_volume(solid: Solid, points: np.ndarray, triangles: np.ndarray, deviation: float) -> None:
-    """That nothing is lost: a body within the deviation of the solid's boundary differs by a layer of that depth."""
-    p, q, r = (points[triangles[:, k]] - solid.box[0] for k in range(3))
+def _check_volume(solid: Solid, corners: np.ndarray, deviation: float) -> None:
+    """That nothing is lost: triangles with corners (n, 3, 3) within the deviation of the solid's boundary enclose the
+    same but for a layer of that depth."""
+    p, q, r = np.moveaxis(corners - solid.box[0], 1, 0)
     volume = float(np.einsum("ij,ij->i", p, np.cross(q, r)).sum()) / 6
     wanted, area = solid.volume_and_area
     if wanted <= 0.0:
