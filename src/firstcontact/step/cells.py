@@ -27,7 +27,7 @@ from firstcontact.body.solid.carriers import (
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, _key
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, conjunction, renumbered, surfaces_of
 from firstcontact.body.solid.intersections import common_curves
-from firstcontact.body.solid.regions import halved
+from firstcontact.body.solid.regions import halved, parts
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import exact_value
 from firstcontact.step.asking import Asking
@@ -128,10 +128,14 @@ def _round(forms: np.ndarray) -> np.ndarray:
 
 
 def _distances(forms: np.ndarray, points: np.ndarray, round_: np.ndarray) -> np.ndarray:
-    x = np.column_stack([points, np.ones(len(points))])
-    image = np.tensordot(forms, x, (2, 1))  # (surfaces, 4, n)
-    value = np.einsum("sin,ni->sn", image, x)
-    slope = np.linalg.norm(2.0 * image[:, :3], axis=1)
+    return np.concatenate([_near_ones(forms, points[k], round_) for k in parts(len(points), len(forms))], axis=1)
+
+
+def _near_ones(forms: np.ndarray, points: np.ndarray, round_: np.ndarray) -> np.ndarray:
+    x = np.vstack([points.T, np.ones(len(points))])
+    image = (forms.reshape(-1, 4) @ x).reshape(len(forms), 4, len(points))
+    value = (image * x).sum(axis=1)
+    slope = 2.0 * np.sqrt((image[:, :3] ** 2).sum(axis=1))
     # |radius^2 - r^2| = c is |radius - r| <= sqrt(c), which is less near the tip of a cone, where the slope vanishes
     nearer = np.sqrt(np.abs(value) / np.maximum(round_, 1e-300))
     found: np.ndarray = np.sign(value) * np.minimum(np.abs(value) / np.maximum(slope, 1e-300), nearer)
@@ -163,7 +167,7 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
         wrong = contains(cells, points) != inside
         points, inside = points[wrong], inside[wrong]
         if not wrong.any():
-            found = {k: _strays(problem, cell, off) for k in sorted(doubtful) if (cell := solved[k]) is not None}
+            found = _strays(problem, {k: cell for k in sorted(doubtful) if (cell := solved[k]) is not None}, off)
             doubtful = {k for k, strays in found.items() if len(strays)}
             if not doubtful:
                 return cells, off, problem.cut
@@ -175,19 +179,26 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
     raise NotExact(f"near {points[0].round(4).tolist()} its pieces are not as OpenCASCADE has them")
 
 
-def _strays(problem: _Problem, cell: Cell, off: float) -> np.ndarray:
-    """(n, 3) points of edges and vertices of the cell, not in walls alone, that are not on the file's faces.
+def _strays(problem: _Problem, cells: dict[int, Cell], off: float) -> dict[int, np.ndarray]:
+    """Of each cell (n, 3) points of its edges and vertices, not in walls alone, that are not on the file's faces.
 
     What is added to the solid, or lost, has such edges, however narrow it is, unless all of them are the file's.
     """
     near = 2.0 * off + SURELY * problem.solid.size
-    found = [np.empty((0, 3))]
-    for pairs, points in rims(cell.body, *cell.box, 6):
-        for pair in np.unique(pairs, axis=0):
-            here = points[(pairs == pair).all(axis=1)]
-            left = problem.trims.outside(here, (face for k in pair for face in cell.own[k]))
-            found.append(np.array([p for p in left.tolist() if not problem.asking.is_on_faces(p, near)]).reshape(-1, 3))
-    return np.concatenate(found)
+    points, group, groups, owner = [np.empty((0, 3))], [np.empty(0, int)], list[tuple[int, ...]](), list[int]()
+    for k, cell in cells.items():
+        for pairs, here in rims(cell.body, *cell.box, 6):
+            known, which = np.unique(pairs[:, 0] * len(cell.own) + pairs[:, 1], return_inverse=True)
+            points.append(here)
+            group.append(len(groups) + which)
+            groups += [cell.own[pair // len(cell.own)] + cell.own[pair % len(cell.own)] for pair in known.tolist()]
+            owner += [k] * len(known)
+    all_, of = np.concatenate(points), np.concatenate(group)
+    found: dict[int, list[list[float]]] = {k: [] for k in cells}
+    for n in np.flatnonzero(problem.trims.outside(all_, of, groups)).tolist():
+        if not problem.asking.is_on_faces(point := all_[n].tolist(), near):
+            found[owner[of[n]]].append(point)
+    return {k: np.array(own).reshape(-1, 3) for k, own in found.items()}
 
 
 def _around(problem: _Problem, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -217,7 +228,7 @@ def _asked(problem: _Problem, boxes: list[tuple[np.ndarray, np.ndarray]]) -> tup
     known = rng.permutation(len(problem.samples))[:MOST_SAMPLES]
     step = problem.normals[known] * size * 10.0 ** rng.uniform(-5.5, np.log10(OFF), (len(known), 1))
     told = problem.asking.inside(asked)
-    sure = np.abs(problem.distances(asked)[: problem.carriers]).min(axis=0) > 1e-7 * size
+    sure = np.abs(problem.distances(asked, range(problem.carriers))[: problem.carriers]).min(axis=0) > 1e-7 * size
     points = np.concatenate([asked[sure], problem.samples[known] - step, problem.samples[known] + step])
     inside = np.concatenate([told[sure], np.ones(len(known), bool), np.zeros(len(known), bool)])
     return points, inside
