@@ -157,15 +157,18 @@ def _names_of_polygons(solid: Solid, mesh: Polyhedron) -> MeshNames:
 
 
 def _names_of_triangles(solid: Solid, mesh: Polyhedron, net: Net) -> MeshNames:
-    at: dict[int, int] = {}
-    beside: dict[tuple[int, int], int] = {}
-    for triangle, face in zip(mesh.triangles.tolist(), net.face_of.tolist(), strict=True):
-        for i, j in zip(triangle, triangle[1:] + triangle[:1], strict=True):
-            at[i] = beside[min(i, j), max(i, j)] = face
-    sides = [(min(i, j), max(i, j)) for i, j in mesh.edges.tolist()]
+    corners, n = mesh.triangles.astype(np.int64), len(net.nodes)
+    faces_at = np.zeros(n, int)
+    faces_at[corners] = net.face_of[:, None]
+    at = faces_at.tolist()
+    ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)
+    codes, first = np.unique(ends.min(axis=2) * n + ends.max(axis=2), return_index=True)
+    edges = np.sort(mesh.edges.astype(np.int64), axis=1)
+    faces = net.face_of[first[np.searchsorted(codes, edges[:, 0] * n + edges[:, 1])] // 3]
+    sides = zip(map(tuple, edges.tolist()), faces.tolist(), strict=True)
     own = {
         "vertex": [(kind, at[k] if kind == "face" else number) for k, (kind, number, _) in enumerate(net.nodes)],
-        "edge": [("edge", net.sides[side]) if side in net.sides else ("face", beside[side]) for side in sides],
+        "edge": [("edge", net.sides[side]) if side in net.sides else ("face", face) for side, face in sides],
         "face": [("face", face) for face in net.face_of.tolist()],
     }
     return MeshNames(own, solid.labels)

@@ -254,7 +254,7 @@ class _Builder:
             self._weld(number, face, use, cut)
         for k, id_ in enumerate(face.ids):
             if id_ < 0:
-                face.ids[k] = self._number(("face", number, k), _at(surface, *uv[k]))
+                face.ids[k] = self._number(("face", number, k), surface, *uv[k])
         places = face.places(np.array(uv))
         off = np.linalg.norm(np.array([self.points[k] for k in face.ids]) - places, axis=1)
         face.off += float(off.max())
@@ -264,11 +264,12 @@ class _Builder:
             face.over_most = ALONE
         return face
 
-    def _number(self, node: Node, place: np.ndarray) -> int:
+    def _number(self, node: Node, surface: Geom_Surface, u: float, v: float) -> int:
+        """Of a corner in the whole; where it is new, it is at the parameters, or in the file's vertex."""
         if node not in self.numbers:
             self.numbers[node] = len(self.nodes)
             self.nodes.append(node)
-            self.points.append(self.solid.points[node[1]] if node[0] == "vertex" else place)
+            self.points.append(self.solid.points[node[1]] if node[0] == "vertex" else _at(surface, u, v))
         return self.numbers[node]
 
     def _weld(self, number: int, face: _Face, use: Use, cut: Cut) -> None:
@@ -292,7 +293,7 @@ class _Builder:
         nodes: list[Node] = [("vertex", first, 0) if degenerate else ("edge", use.number, k) for k in range(len(local))]
         nodes[0], nodes[-1] = ("vertex", first, 0), ("vertex", last, 0)
         for node, k in zip(nodes, local.tolist(), strict=True):
-            face.ids[k] = self._number(node, _at(face.surface, *face.uv[k]))
+            face.ids[k] = self._number(node, face.surface, *face.uv[k])
         if degenerate:
             face.poles |= {(min(i, j), max(i, j)) for i, j in zip(local.tolist(), local.tolist()[1:], strict=False)}
         else:
@@ -329,7 +330,9 @@ class _Builder:
 
     def _beside(self, face: _Face, border: _Border) -> float:
         """How far the surface between a border's curve and its chord is from the chord at most."""
-        if border.beside is None:
+        if border.beside is None and border.bends.is_straight:
+            border.beside = 0.0
+        elif border.beside is None:
             away, whole = _chord(border)
             border.beside = whole if face.flat else self._length(face, away)
         return border.beside
@@ -404,12 +407,16 @@ class _Builder:
             return
         face.around = None
         middle = {side: self._middle(face, side) for side in sorted(sides)}
+        corners, n = np.array(face.triangles), len(face.uv)
+        ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
+        is_cut = np.zeros(len(corners), bool)
+        is_cut[np.nonzero(np.isin(ends[..., 0] * n + ends[..., 1], [i * n + j for i, j in middle]))[0]] = True
         triangles: list[tuple[int, int, int]] = []
         over: list[float | None] = []
-        for triangle, known in zip(face.triangles, face.over, strict=True):
-            cut = _cut(triangle, middle)
-            triangles += cut
-            over += [known] if len(cut) == 1 else [None] * len(cut)
+        for triangle, known, cut in zip(face.triangles, face.over, is_cut.tolist(), strict=True):
+            parts = _cut(triangle, middle) if cut else [triangle]
+            triangles += parts
+            over += [None] * len(parts) if cut else [known]
         face.triangles, face.over = triangles, over
 
     def _middle(self, face: _Face, side: Segment) -> int:
@@ -424,7 +431,7 @@ class _Builder:
                 face.ids.append(face.ids[i])
                 face.poles |= {(i, number), (j, number)}
                 return number
-            face.ids.append(self._number(("face", face.number, number), _at(face.surface, u, v)))
+            face.ids.append(self._number(("face", face.number, number), face.surface, u, v))
             return number
         t = 0.5 * (border.t0 + border.t1)
         p = border.curve.Value(t)
@@ -433,7 +440,7 @@ class _Builder:
         key = border.edge, min(face.ids[i], face.ids[j]), max(face.ids[i], face.ids[j])
         if key not in self.middles:
             self.middles[key] = self._number(("edge", border.edge, len(self.nodes) + MOST_TRIANGLES),
-                                             _at(face.surface, p.X(), p.Y()))  # fmt: skip
+                                             face.surface, p.X(), p.Y())  # fmt: skip
         face.ids.append(self.middles[key])
         place = _at(face.surface, p.X(), p.Y())
         face.off = max(face.off, float(np.linalg.norm(self.points[face.ids[-1]] - place)))
