@@ -102,8 +102,8 @@ def _by_surfaces(solid: Solid) -> Built | None:
         Piece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
         for x in found
     ]
-    _check_volume(solid, rough.corners, rough.deviation)
-    shown = cache(lambda: (_mesh_piece(solid, triangulated(solid, rough.deviation)),))
+    _check_volume(solid, rough.corners, rough.deviation + off)
+    shown = cache(lambda: (_mesh_piece(solid, triangulated(solid, cells.ROUGH * solid.size)),))
     return Built(tuple(exact), off, True, solid, shown)
 
 
