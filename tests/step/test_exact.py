@@ -15,6 +15,9 @@ from OCP.TopAbs import TopAbs_State  # noqa: E402
 import firstcontact as fc  # noqa: E402
 import step_shapes as shapes  # noqa: E402
 from firstcontact.search.convex import advance  # noqa: E402
+from firstcontact.step import bodies, rough  # noqa: E402
+from firstcontact.step.reader import Shape  # noqa: E402
+from firstcontact.step.solids import Solid  # noqa: E402
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
 import step_random  # noqa: E402
@@ -234,3 +237,21 @@ def test_random_machined_parts_are_as_open_cascade_has_them(seed):
     body = fc.from_shape(shape, surfaces=True)
     assert any(isinstance(piece.body, fc.CompositeQuadric) for piece in body.pieces)
     assert step_random.differing(shape, body, step_random.asked_points(body, seed, 400)) == []
+
+
+def test_faces_that_do_not_enclose_what_they_bound_are_told(monkeypatch):
+    """Without one of its faces the triangles enclose another volume, by more than they are off."""
+    whole = rough._all
+
+    def without_one(solid):
+        made = whole(solid)
+        kept = made.face_of != len(solid.faces) - 1
+        return rough.Rough(made.corners[kept], made.face_of[kept], made.deviation)
+
+    shape = shapes.cut(shapes.box((10, 10, 5)), shapes.cylinder(3, 9, (5, 5, -2)))
+    found = rough.rough(solid := Solid(shape, Shape(shape, "holed")), 0.01)
+    bodies._check_volume(solid, found.corners, found.deviation)
+    monkeypatch.setattr(rough, "_all", without_one)
+    found = rough.rough(solid, 0.01)
+    with pytest.raises(fc.InputError, match="do not enclose what they bound"):
+        bodies._check_volume(solid, found.corners, found.deviation)

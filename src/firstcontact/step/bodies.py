@@ -81,13 +81,13 @@ def _built(solid: Solid, wanted: Wanted) -> Built:
     solid.check()
     flat = planar.polyhedron_of(solid)
     if flat is not None:
-        _check_volume(solid, flat.polyhedron.vertices, flat.polyhedron.triangles, flat.moved)
+        _check_volume(solid, flat.polyhedron.vertices[flat.polyhedron.triangles], flat.moved)
         piece = Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron))
         return Built((piece,), flat.moved, True, solid)
     if wanted.surfaces and (own := _by_surfaces(solid)) is not None:
         return own
     net = triangulated(solid, DEVIATION * solid.size if wanted.deviation is None else wanted.deviation)
-    _check_volume(solid, net.points, net.triangles, net.deviation)
+    _check_volume(solid, net.points[net.triangles], net.deviation)
     piece = _mesh_piece(solid, net)
     return Built((piece,), net.deviation, False, solid)
 
@@ -102,8 +102,8 @@ def _by_surfaces(solid: Solid) -> Built | None:
         Piece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
         for x in found
     ]
-    _check_volume(solid, rough.points, rough.triangles, rough.deviation)
-    shown = cache(lambda: (_mesh_piece(solid, rough),))
+    _check_volume(solid, rough.corners, rough.deviation + off)
+    shown = cache(lambda: (_mesh_piece(solid, triangulated(solid, cells.ROUGH * solid.size)),))
     return Built(tuple(exact), off, True, solid, shown)
 
 
@@ -112,9 +112,10 @@ def _mesh_piece(solid: Solid, net: Net) -> Piece:
     return Piece(mesh, _names_of_triangles(solid, mesh, net))
 
 
-def _check_volume(solid: Solid, points: np.ndarray, triangles: np.ndarray, deviation: float) -> None:
-    """That nothing is lost: a body within the deviation of the solid's boundary differs by a layer of that depth."""
-    p, q, r = (points[triangles[:, k]] - solid.box[0] for k in range(3))
+def _check_volume(solid: Solid, corners: np.ndarray, deviation: float) -> None:
+    """That nothing is lost: triangles with corners (n, 3, 3) within the deviation of the solid's boundary enclose the
+    same but for a layer of that depth."""
+    p, q, r = np.moveaxis(corners - solid.box[0], 1, 0)
     volume = float(np.einsum("ij,ij->i", p, np.cross(q, r)).sum()) / 6
     wanted, area = solid.volume_and_area
     if wanted <= 0.0:
@@ -156,15 +157,18 @@ def _names_of_polygons(solid: Solid, mesh: Polyhedron) -> MeshNames:
 
 
 def _names_of_triangles(solid: Solid, mesh: Polyhedron, net: Net) -> MeshNames:
-    at: dict[int, int] = {}
-    beside: dict[tuple[int, int], int] = {}
-    for triangle, face in zip(mesh.triangles.tolist(), net.face_of.tolist(), strict=True):
-        for i, j in zip(triangle, triangle[1:] + triangle[:1], strict=True):
-            at[i] = beside[min(i, j), max(i, j)] = face
-    sides = [(min(i, j), max(i, j)) for i, j in mesh.edges.tolist()]
+    corners, n = mesh.triangles.astype(np.int64), len(net.nodes)
+    faces_at = np.zeros(n, int)
+    faces_at[corners] = net.face_of[:, None]
+    at = faces_at.tolist()
+    ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)
+    codes, first = np.unique(ends.min(axis=2) * n + ends.max(axis=2), return_index=True)
+    edges = np.sort(mesh.edges.astype(np.int64), axis=1)
+    faces = net.face_of[first[np.searchsorted(codes, edges[:, 0] * n + edges[:, 1])] // 3]
+    sides = zip(map(tuple, edges.tolist()), faces.tolist(), strict=True)
     own = {
         "vertex": [(kind, at[k] if kind == "face" else number) for k, (kind, number, _) in enumerate(net.nodes)],
-        "edge": [("edge", net.sides[side]) if side in net.sides else ("face", beside[side]) for side in sides],
+        "edge": [("edge", net.sides[side]) if side in net.sides else ("face", face) for side, face in sides],
         "face": [("face", face) for face in net.face_of.tolist()],
     }
     return MeshNames(own, solid.labels)

@@ -127,10 +127,7 @@ class Curve:
         else:
             raise NotBounded(kind)
         self.lo, self.hi = lo, hi
-
-    @property
-    def is_straight(self) -> bool:
-        return not self.axes.any()
+        self.is_straight = not self.axes.any()
 
     def _from_nets(self, curve: Geom_Curve | Geom2d_Curve, size: int) -> None:
         nets, knots = _curve_nets(curve, size)

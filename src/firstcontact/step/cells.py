@@ -8,7 +8,7 @@ that nothing is lost, and nothing added, is asked again of many points afterward
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -27,18 +27,18 @@ from firstcontact.body.solid.carriers import (
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, _key
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, conjunction, renumbered, surfaces_of
 from firstcontact.body.solid.intersections import common_curves
-from firstcontact.body.solid.regions import halved
+from firstcontact.body.solid.regions import halved, parts
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import exact_value
+from firstcontact.step.asking import Asking
 from firstcontact.step.carriers import Carrier, carrier_of
 from firstcontact.step.rims import rims
-from firstcontact.step.solids import Solid, explored
-from firstcontact.step.triangles import Net, triangulated
+from firstcontact.step.rough import Rough, rough
+from firstcontact.step.solids import Solid
 from firstcontact.step.trims import Trims
 
 if TYPE_CHECKING:
     from OCP.gp import gp_Dir, gp_Pnt
-    from OCP.TopAbs import TopAbs_State
 
 FEW, MOST, DEEPEST = 6, 26, 9
 """Surfaces in a cell: what is asked for, and what is taken where halving does not help; how often cells are halved."""
@@ -84,7 +84,7 @@ class _Problem:
     """
 
     solid: Solid
-    net: Net
+    cut: Rough
     surfaces: list[Surface]
     nappes: dict[int, Carrier]
     forms: np.ndarray
@@ -96,8 +96,7 @@ class _Problem:
     carrier: np.ndarray
     labelled: np.ndarray
     inside: np.ndarray
-    classify: Any
-    is_on_faces: Any
+    asking: Asking
     trims: Trims
     rng: Any = field(default_factory=lambda: np.random.default_rng(0))
 
@@ -129,18 +128,22 @@ def _round(forms: np.ndarray) -> np.ndarray:
 
 
 def _distances(forms: np.ndarray, points: np.ndarray, round_: np.ndarray) -> np.ndarray:
-    x = np.column_stack([points, np.ones(len(points))])
-    image = np.tensordot(forms, x, (2, 1))  # (surfaces, 4, n)
-    value = np.einsum("sin,ni->sn", image, x)
-    slope = np.linalg.norm(2.0 * image[:, :3], axis=1)
+    return np.concatenate([_near_ones(forms, points[k], round_) for k in parts(len(points), len(forms))], axis=1)
+
+
+def _near_ones(forms: np.ndarray, points: np.ndarray, round_: np.ndarray) -> np.ndarray:
+    x = np.vstack([points.T, np.ones(len(points))])
+    image = (forms.reshape(-1, 4) @ x).reshape(len(forms), 4, len(points))
+    value = (image * x).sum(axis=1)
+    slope = 2.0 * np.sqrt((image[:, :3] ** 2).sum(axis=1))
     # |radius^2 - r^2| = c is |radius - r| <= sqrt(c), which is less near the tip of a cone, where the slope vanishes
     nearer = np.sqrt(np.abs(value) / np.maximum(round_, 1e-300))
     found: np.ndarray = np.sign(value) * np.minimum(np.abs(value) / np.maximum(slope, 1e-300), nearer)
     return found
 
 
-def cells_of(solid: Solid) -> tuple[list[Cell], float, Net]:
-    """The pieces, how far their edges are from the file's, and triangles for pictures.  Raises NotExact.
+def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
+    """The pieces, how far their edges are from the file's, and rough triangles.  Raises NotExact.
 
     Points of all kinds are put to the pieces and to OpenCASCADE; what is learned of those of which they think
     differently, and of those around edges that the file has not, goes into the pieces, until none is left.
@@ -164,10 +167,10 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Net]:
         wrong = contains(cells, points) != inside
         points, inside = points[wrong], inside[wrong]
         if not wrong.any():
-            found = {k: _strays(problem, cell, off) for k in sorted(doubtful) if (cell := solved[k]) is not None}
+            found = _strays(problem, {k: cell for k in sorted(doubtful) if (cell := solved[k]) is not None}, off)
             doubtful = {k for k, strays in found.items() if len(strays)}
             if not doubtful:
-                return cells, off, problem.net
+                return cells, off, problem.cut
             points = np.concatenate([found[k] for k in sorted(doubtful)])
             points, inside = _around(problem, points)
         problem.labelled = np.concatenate([problem.labelled, points])
@@ -176,19 +179,26 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Net]:
     raise NotExact(f"near {points[0].round(4).tolist()} its pieces are not as OpenCASCADE has them")
 
 
-def _strays(problem: _Problem, cell: Cell, off: float) -> np.ndarray:
-    """(n, 3) points of edges and vertices of the cell, not in walls alone, that are not on the file's faces.
+def _strays(problem: _Problem, cells: dict[int, Cell], off: float) -> dict[int, np.ndarray]:
+    """Of each cell (n, 3) points of its edges and vertices, not in walls alone, that are not on the file's faces.
 
     What is added to the solid, or lost, has such edges, however narrow it is, unless all of them are the file's.
     """
     near = 2.0 * off + SURELY * problem.solid.size
-    found = [np.empty((0, 3))]
-    for pairs, points in rims(cell.body, *cell.box, 6):
-        for pair in np.unique(pairs, axis=0):
-            here = points[(pairs == pair).all(axis=1)]
-            left = problem.trims.outside(here, (face for k in pair for face in cell.own[k]))
-            found.append(np.array([p for p in left.tolist() if not problem.is_on_faces(p, near)]).reshape(-1, 3))
-    return np.concatenate(found)
+    points, group, groups, owner = [np.empty((0, 3))], [np.empty(0, int)], list[tuple[int, ...]](), list[int]()
+    for k, cell in cells.items():
+        for pairs, here in rims(cell.body, *cell.box, 6):
+            known, which = np.unique(pairs[:, 0] * len(cell.own) + pairs[:, 1], return_inverse=True)
+            points.append(here)
+            group.append(len(groups) + which)
+            groups += [cell.own[pair // len(cell.own)] + cell.own[pair % len(cell.own)] for pair in known.tolist()]
+            owner += [k] * len(known)
+    all_, of = np.concatenate(points), np.concatenate(group)
+    found: dict[int, list[list[float]]] = {k: [] for k in cells}
+    for n in np.flatnonzero(problem.trims.outside(all_, of, groups)).tolist():
+        if not problem.asking.is_on_faces(point := all_[n].tolist(), near):
+            found[owner[of[n]]].append(point)
+    return {k: np.array(own).reshape(-1, 3) for k, own in found.items()}
 
 
 def _around(problem: _Problem, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -196,7 +206,7 @@ def _around(problem: _Problem, points: np.ndarray) -> tuple[np.ndarray, np.ndarr
     spread = problem.solid.size * np.array([0.1 * OFF, OFF, 10.0 * OFF, 100.0 * OFF])
     around = points[:, None, None] + spread[:, None, None] * problem.rng.normal(size=(len(points), len(spread), 6, 3))
     around = around.reshape(-1, 3)
-    return around, problem.classify(around)
+    return around, problem.asking.inside(around)
 
 
 def _asked(problem: _Problem, boxes: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
@@ -217,8 +227,8 @@ def _asked(problem: _Problem, boxes: list[tuple[np.ndarray, np.ndarray]]) -> tup
     asked = np.concatenate(found)
     known = rng.permutation(len(problem.samples))[:MOST_SAMPLES]
     step = problem.normals[known] * size * 10.0 ** rng.uniform(-5.5, np.log10(OFF), (len(known), 1))
-    told = problem.classify(asked)
-    sure = np.abs(problem.distances(asked)[: problem.carriers]).min(axis=0) > 1e-7 * size
+    told = problem.asking.inside(asked)
+    sure = np.abs(problem.distances(asked, range(problem.carriers))[: problem.carriers]).min(axis=0) > 1e-7 * size
     points = np.concatenate([asked[sure], problem.samples[known] - step, problem.samples[known] + step])
     inside = np.concatenate([told[sure], np.ones(len(known), bool), np.zeros(len(known), bool)])
     return points, inside
@@ -297,50 +307,21 @@ def _problem(solid: Solid) -> _Problem:
         if numbers.setdefault((_key(plane), None), len(surfaces)) == len(surfaces):
             surfaces.append(plane)
     forms = np.array([doubles(s.matrix()) for s in surfaces])
-    net = triangulated(solid, ROUGH * solid.size)
-    samples, faces = _samples(solid, net, forms, of_face)
+    cut = rough(solid, ROUGH * solid.size)
+    samples, faces = _samples(solid, cut, forms, of_face)
     normals = _outward(solid, forms, samples, faces, of_face)
     off = OFF * solid.size
     labelled = np.concatenate([samples - off * normals, samples + off * normals])
     inside = np.repeat([True, False], len(samples))
     return _Problem(
-        solid, net, surfaces, nappes, forms, _round(forms), count, faces_on, samples, normals,
-        np.array(of_face)[faces], labelled, inside, *_asking(solid), Trims(solid),
+        solid, cut, surfaces, nappes, forms, _round(forms), count, faces_on, samples, normals,
+        np.array(of_face)[faces], labelled, inside, Asking(solid), Trims(solid),
     )  # fmt: skip
 
 
-def _asking(solid: Solid) -> tuple[Callable[[np.ndarray], np.ndarray], Callable[[Sequence[float], float], bool]]:
-    """Questions to OpenCASCADE: which of points are inside, and whether one is within a distance of the faces."""
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
-    from OCP.BRepClass3d import BRepClass3d_SolidClassifier
-    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
-    from OCP.gp import gp_Pnt
-    from OCP.TopAbs import TopAbs_ShapeEnum, TopAbs_State
-
-    asked = BRepClass3d_SolidClassifier(solid.shape)
-    shells = list(explored(solid.shape, TopAbs_ShapeEnum.TopAbs_SHELL))
-
-    def state(point: Sequence[float], near: float) -> TopAbs_State:
-        asked.Perform(gp_Pnt(*point), near)
-        return asked.State()
-
-    def inside(points: np.ndarray) -> np.ndarray:
-        return np.array([state(p, 1e-9) == TopAbs_State.TopAbs_IN for p in points.tolist()], bool)
-
-    def is_on_faces(point: Sequence[float], near: float) -> bool:
-        if state(point, near) == TopAbs_State.TopAbs_ON:
-            return True
-        # on seams it does not tell
-        vertex = BRepBuilderAPI_MakeVertex(gp_Pnt(*point)).Vertex()
-        return any(BRepExtrema_DistShapeShape(vertex, shell).Value() <= near for shell in shells)
-
-    return inside, is_on_faces
-
-
-def _samples(solid: Solid, net: Net, forms: np.ndarray, of_face: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def _samples(solid: Solid, cut: Rough, forms: np.ndarray, of_face: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """Points inside faces, on their carriers, and the faces' numbers."""
-    corners = net.points[net.triangles]
-    owner = net.face_of
+    corners, owner = cut.corners, cut.face_of
     step = 0.04 * solid.size
     for _ in range(12):
         sides = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
@@ -479,7 +460,7 @@ def _solved(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> Cell | None:
     asked = np.concatenate([problem.rng.uniform(lo, hi, (RANDOM, 3)), beside])
     own = ((problem.labelled > lo) & (problem.labelled < hi)).all(axis=1)
     points = np.concatenate([problem.labelled[own], asked])
-    inside = np.concatenate([problem.inside[own], problem.classify(asked)])
+    inside = np.concatenate([problem.inside[own], problem.asking.inside(asked)])
     task = _Task(problem, near, problem.distances(samples, near), carrier, problem.distances(points, near), inside)
     tree = task.tree(np.ones(len(samples), bool), np.ones(len(points), bool), frozenset(), 0)
     if tree is False:

@@ -11,10 +11,11 @@ from itertools import combinations
 
 import numpy as np
 
+from firstcontact.body.solid import truth
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import outcomes
 from firstcontact.body.solid.quartic_edges import pulled
-from firstcontact.body.solid.regions import Regions, halved
+from firstcontact.body.solid.regions import Regions, halved, parts
 
 FINE, DEEPEST, MOST = 3, 10, 3000
 """How often cells of two surfaces are halved, and of more; and how many there may be."""
@@ -41,7 +42,7 @@ def rims(
         points = pulled(unit[pairs], centre[cell], STEPS)
         kept = ((lo <= points) & (points <= hi)).all(axis=1)  # of the next cell or not: it is one of the body
         pairs, points = pairs[kept], points[kept]
-        kept = _bounds(body, points, walls)
+        kept = np.concatenate([_bounds(body, points[part], walls) for part in parts(len(points), count)])
         pairs, points = pairs[kept], points[kept]
         if len(points):
             yield pairs, points
@@ -58,8 +59,11 @@ def _bounds(body: CompositeQuadric, points: np.ndarray, walls: int) -> np.ndarra
     error = slopes * (ON * np.abs(points).max()) + ROUNDING * (sizes)
     signs = (values > error).astype(np.int8) - (values < -error)
     signs[:, len(body.surfaces) - walls :] = -1
-    rows, back = np.unique(signs, axis=0, return_inverse=True)
-    return np.array([len(outcomes(body.tree, row.tolist())) == 2 for row in rows])[back.ravel()]
+    few = (signs == 0).sum(axis=1) <= truth.MOST
+    found = np.empty(len(points), bool)
+    found[few] = truth.is_open(body.tree, signs[few])
+    found[~few] = [len(outcomes(body.tree, row)) == 2 for row in signs[~few].tolist()]
+    return found
 
 
 def _cells(

@@ -8,8 +8,9 @@ meet in common corners, so that the triangles are closed where the solid is.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -39,6 +40,7 @@ ROUNDS = 200
 """Around the tip of a cone triangles that lie across it are halved one after the other."""
 MOST_TRIANGLES = 1_000_000
 
+Made = TypeVar("Made")
 Node = tuple[str, int, int]
 """What a corner is: ("vertex", number, 0), ("edge", number, k) or ("face", number, k)."""
 
@@ -58,24 +60,7 @@ class Net:
 
 def triangulated(solid: Solid, deviation: float) -> Net:
     """Triangles within the deviation of the solid's faces.  InputError names a face that cannot be had so."""
-    from OCP.BRepMesh import BRepMesh_IncrementalMesh
-    from OCP.BRepTools import BRepTools
-
-    net: Net | None = None
-    for share in COARSE:
-        BRepTools.Clean_s(solid.shape)
-        BRepMesh_IncrementalMesh(solid.shape, share * deviation, False, ANGLE, False)
-        try:
-            net = _Builder(solid, deviation).net()
-            break
-        except Folded as reason:
-            if share == COARSE[-1]:
-                raise InputError(f"{solid.who}: {reason}; mend the face and export it again") from reason
-        except NotBounded as reason:
-            raise InputError(f"{solid.who}: {reason}; export the model with another kind of surface there") from reason
-        finally:
-            BRepTools.Clean_s(solid.shape)
-    assert net is not None
+    net = cut_by(solid, deviation, lambda: _Builder(solid, deviation).net())
     if net.deviation > deviation:
         raise InputError(
             f"{solid.who}: the file's own edges and corners are off by more than deviation= {deviation:.3g} (reached "
@@ -84,8 +69,60 @@ def triangulated(solid: Solid, deviation: float) -> Net:
     return net
 
 
+def cut_by(solid: Solid, deviation: float, made: Callable[[], Made]) -> Made:
+    """What is made of the triangles that OpenCASCADE cuts the faces into, of finer ones where faces fold over."""
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.BRepTools import BRepTools
+
+    folded = ""
+    for share in COARSE:
+        BRepTools.Clean_s(solid.shape)
+        BRepMesh_IncrementalMesh(solid.shape, share * deviation, False, ANGLE, False)
+        try:
+            return made()
+        except Folded as reason:
+            folded = str(reason)
+        except NotBounded as reason:
+            raise InputError(f"{solid.who}: {reason}; export the model with another kind of surface there") from reason
+        finally:
+            BRepTools.Clean_s(solid.shape)
+    raise InputError(f"{solid.who}: {folded}; mend the face and export it again")
+
+
 class Folded(Exception):
     """The triangles of a face lie over each other; the text says which."""
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A face as OpenCASCADE cut it: uv: parameters of corners; triangles: of these, in their order; flipped: whether
+    the solid is on the other side."""
+
+    net: Poly_Triangulation
+    location: TopLoc_Location
+    surface: Geom_Surface
+    flipped: bool
+    uv: list[tuple[float, float]]
+    triangles: list[tuple[int, int, int]]
+
+
+def triangles_of(solid: Solid, number: int) -> Cut:
+    """The triangulation that a face has.  InputError where it has none."""
+    from OCP.BRep import BRep_Tool
+    from OCP.TopAbs import TopAbs_Orientation
+    from OCP.TopLoc import TopLoc_Location
+
+    shape, location = solid.faces[number], TopLoc_Location()
+    net = BRep_Tool.Triangulation_s(shape, location)
+    if net is None or net.NbTriangles() == 0 or not net.HasUVNodes():
+        raise InputError(
+            f"{solid.who}: {solid.named('face', number)} has no area that can be cut into triangles; its edges cross "
+            "or do not close: mend the face and export it again"
+        )
+    uv = [(p.X(), p.Y()) for p in map(net.UVNode, range(1, net.NbNodes() + 1))]
+    found = [(i - 1, j - 1, k - 1) for i, j, k in (net.Triangle(n).Get() for n in range(1, net.NbTriangles() + 1))]
+    flipped = shape.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
+    return Cut(net, location, BRep_Tool.Surface_s(shape), flipped, uv, found)
 
 
 Segment = tuple[int, int]
@@ -180,7 +217,7 @@ class _Builder:
     def _joined(self, faces: list[_Face]) -> Net:
         triangles, owners, worst, sides = [], [], 0.0, {}
         for number, face in enumerate(faces):
-            _check_tiling(self.solid, number, face)
+            check_tiling(self.solid, number, np.array(face.uv), np.array(face.triangles))
             worst = max(worst, self._deviation(face))
             ids = np.array(face.ids)
             corners = ids[np.array(face.triangles)]
@@ -198,21 +235,8 @@ class _Builder:
 
     def _face(self, number: int) -> _Face:
         """The triangulation of a face, with numbers of its corners in the whole."""
-        from OCP.BRep import BRep_Tool
-        from OCP.TopAbs import TopAbs_Orientation
-        from OCP.TopLoc import TopLoc_Location
-
-        shape, location = self.solid.faces[number], TopLoc_Location()
-        net = BRep_Tool.Triangulation_s(shape, location)
-        if net is None or net.NbTriangles() == 0 or not net.HasUVNodes():
-            raise InputError(
-                f"{self.solid.who}: {self.solid.named('face', number)} has no area that can be cut into triangles; its "
-                "edges cross or do not close: mend the face and export it again"
-            )
-        uv = [(p.X(), p.Y()) for p in map(net.UVNode, range(1, net.NbNodes() + 1))]
-        found = [tuple(x - 1 for x in net.Triangle(k).Get()) for k in range(1, net.NbTriangles() + 1)]
-        surface = BRep_Tool.Surface_s(shape)
-        flipped = shape.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
+        cut = triangles_of(self.solid, number)
+        uv, surface = cut.uv, cut.surface
         low, high = np.min(uv, axis=0), np.max(uv, axis=0)
         room = 1e-3 * (high - low)
         try:
@@ -221,15 +245,16 @@ class _Builder:
             raise NotBounded(
                 f"{self.solid.named('face', number)} is of kind {reason}, whose triangles have no proved bound"
             ) from reason
-        face = _Face(number, surface, chart, flipped, uv, [-1] * len(uv), found, [None] * len(found))
+        unknown: list[float | None] = [None] * len(cut.triangles)
+        face = _Face(number, surface, chart, cut.flipped, uv, [-1] * len(uv), cut.triangles, unknown)
         face.known = elementary(surface)
         face.flat = surface.DynamicType().Name() == "Geom_Plane"
         face.round = face.known is not None and is_round(face.known)
         for use in self.solid.uses[number]:
-            self._weld(number, face, use, net, location)
+            self._weld(number, face, use, cut)
         for k, id_ in enumerate(face.ids):
             if id_ < 0:
-                face.ids[k] = self._number(("face", number, k), _at(surface, *uv[k]))
+                face.ids[k] = self._number(("face", number, k), surface, *uv[k])
         places = face.places(np.array(uv))
         off = np.linalg.norm(np.array([self.points[k] for k in face.ids]) - places, axis=1)
         face.off += float(off.max())
@@ -239,20 +264,21 @@ class _Builder:
             face.over_most = ALONE
         return face
 
-    def _number(self, node: Node, place: np.ndarray) -> int:
+    def _number(self, node: Node, surface: Geom_Surface, u: float, v: float) -> int:
+        """Of a corner in the whole; where it is new, it is at the parameters, or in the file's vertex."""
         if node not in self.numbers:
             self.numbers[node] = len(self.nodes)
             self.nodes.append(node)
-            self.points.append(self.solid.points[node[1]] if node[0] == "vertex" else place)
+            self.points.append(self.solid.points[node[1]] if node[0] == "vertex" else _at(surface, u, v))
         return self.numbers[node]
 
-    def _weld(self, number: int, face: _Face, use: Use, net: Poly_Triangulation, location: TopLoc_Location) -> None:
+    def _weld(self, number: int, face: _Face, use: Use, cut: Cut) -> None:
         """The corners of the face along one of its edges."""
         from OCP.BRep import BRep_Tool
         from OCP.TopExp import TopExp
 
         who = f"{self.solid.who}: {self.solid.named('edge', use.number)}"
-        polygon = BRep_Tool.PolygonOnTriangulation_s(use.edge, net, location)
+        polygon = BRep_Tool.PolygonOnTriangulation_s(use.edge, cut.net, cut.location)
         if polygon is None or not polygon.HasParameters():
             raise InputError(f"{who} is not on {self.solid.named('face', number)}; mend the face and export it again")
         local = np.array([polygon.Node(k) for k in range(1, polygon.NbNodes() + 1)]) - 1
@@ -267,7 +293,7 @@ class _Builder:
         nodes: list[Node] = [("vertex", first, 0) if degenerate else ("edge", use.number, k) for k in range(len(local))]
         nodes[0], nodes[-1] = ("vertex", first, 0), ("vertex", last, 0)
         for node, k in zip(nodes, local.tolist(), strict=True):
-            face.ids[k] = self._number(node, _at(face.surface, *face.uv[k]))
+            face.ids[k] = self._number(node, face.surface, *face.uv[k])
         if degenerate:
             face.poles |= {(min(i, j), max(i, j)) for i, j in zip(local.tolist(), local.tolist()[1:], strict=False)}
         else:
@@ -304,7 +330,9 @@ class _Builder:
 
     def _beside(self, face: _Face, border: _Border) -> float:
         """How far the surface between a border's curve and its chord is from the chord at most."""
-        if border.beside is None:
+        if border.beside is None and border.bends.is_straight:
+            border.beside = 0.0
+        elif border.beside is None:
             away, whole = _chord(border)
             border.beside = whole if face.flat else self._length(face, away)
         return border.beside
@@ -379,12 +407,16 @@ class _Builder:
             return
         face.around = None
         middle = {side: self._middle(face, side) for side in sorted(sides)}
+        corners, n = np.array(face.triangles), len(face.uv)
+        ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
+        is_cut = np.zeros(len(corners), bool)
+        is_cut[np.nonzero(np.isin(ends[..., 0] * n + ends[..., 1], [i * n + j for i, j in middle]))[0]] = True
         triangles: list[tuple[int, int, int]] = []
         over: list[float | None] = []
-        for triangle, known in zip(face.triangles, face.over, strict=True):
-            cut = _cut(triangle, middle)
-            triangles += cut
-            over += [known] if len(cut) == 1 else [None] * len(cut)
+        for triangle, known, cut in zip(face.triangles, face.over, is_cut.tolist(), strict=True):
+            parts = _cut(triangle, middle) if cut else [triangle]
+            triangles += parts
+            over += [None] * len(parts) if cut else [known]
         face.triangles, face.over = triangles, over
 
     def _middle(self, face: _Face, side: Segment) -> int:
@@ -399,7 +431,7 @@ class _Builder:
                 face.ids.append(face.ids[i])
                 face.poles |= {(i, number), (j, number)}
                 return number
-            face.ids.append(self._number(("face", face.number, number), _at(face.surface, u, v)))
+            face.ids.append(self._number(("face", face.number, number), face.surface, u, v))
             return number
         t = 0.5 * (border.t0 + border.t1)
         p = border.curve.Value(t)
@@ -408,7 +440,7 @@ class _Builder:
         key = border.edge, min(face.ids[i], face.ids[j]), max(face.ids[i], face.ids[j])
         if key not in self.middles:
             self.middles[key] = self._number(("edge", border.edge, len(self.nodes) + MOST_TRIANGLES),
-                                             _at(face.surface, p.X(), p.Y()))  # fmt: skip
+                                             face.surface, p.X(), p.Y())  # fmt: skip
         face.ids.append(self.middles[key])
         place = _at(face.surface, p.X(), p.Y())
         face.off = max(face.off, float(np.linalg.norm(self.points[face.ids[-1]] - place)))
@@ -527,11 +559,10 @@ def _seen(face: _Face, uv: np.ndarray) -> np.ndarray:
     return found
 
 
-def _check_tiling(solid: Solid, number: int, face: _Face) -> None:
+def check_tiling(solid: Solid, number: int, uv: np.ndarray, triangles: np.ndarray) -> None:
     """That the triangles cover what their outer sides enclose, once: all turn one way, and the sides that belong to one
     triangle alone are those of edges."""
-    corners = np.array(face.triangles)
-    p, q, r = (np.array(face.uv)[corners[:, k]] for k in range(3))
+    p, q, r = (uv[triangles[:, k]] for k in range(3))
     area = (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) - (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
     if (area < -1e-9 * np.abs(area).max()).any():
         raise Folded(f"{solid.named('face', number)} folds over itself where it is cut into triangles; its edges cross")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,12 +27,16 @@ class Trims:
         self.borders = Counter(face for faces in solid.incidence[0] for face in faces)
         """How many edges each face has: the more, the longer its answers take."""
 
-    def outside(self, points: np.ndarray, faces: Iterable[int]) -> np.ndarray:
-        """Those of the points (n, 3), on the surface of each of the faces, that are in none of these."""
-        left = points
-        for number in sorted(faces, key=self.borders.__getitem__):
-            if len(left):
-                left = left[~self._face(number).holds(left)]
+    def outside(self, points: np.ndarray, group: np.ndarray, groups: Sequence[Iterable[int]]) -> np.ndarray:
+        """(n,) whether points (n, 3), on the surfaces of all faces of their groups, are in none of these."""
+        member = np.zeros((len(groups), len(self.solid.faces)), bool)
+        for own, faces in zip(member, groups, strict=True):
+            own[list(faces)] = True
+        left = np.ones(len(points), bool)
+        for number in sorted(np.flatnonzero(member.any(axis=0)).tolist(), key=self.borders.__getitem__):
+            here = np.flatnonzero(left & member[group, number])
+            if len(here):
+                left[here] = ~self._face(number).holds(points[here])
         return left
 
     def within(self, points: np.ndarray, faces: Iterable[int]) -> np.ndarray:
@@ -66,5 +70,5 @@ class _Face:
         from OCP.TopAbs import TopAbs_State
 
         parameters = self.chart.parameters(points, self.least).tolist()
-        told = [self.asked.Perform(gp_Pnt2d(u, v)) for u, v in parameters]
-        return np.array([state != TopAbs_State.TopAbs_OUT for state in told], bool)
+        out, told = TopAbs_State.TopAbs_OUT, self.asked.Perform
+        return np.array([told(gp_Pnt2d(u, v)) != out for u, v in parameters], bool)

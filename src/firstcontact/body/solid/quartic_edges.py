@@ -175,15 +175,29 @@ def pulled(forms: np.ndarray, p: np.ndarray, steps: int = 6) -> np.ndarray:
     p, left = p.copy(), np.arange(len(p))
     for _ in range(steps):
         own = forms if len(left) == len(p) else forms[left]
-        value, slope = value_and_slope(own, p[left])
-        gram = np.einsum("nik,njk->nij", slope, slope)
-        gram += 1e-14 * np.trace(gram, axis1=1, axis2=2)[:, None, None] * np.eye(forms.shape[1])
-        step = np.einsum("nik,ni->nk", slope, np.linalg.solve(gram, value[..., None])[..., 0])
+        step = _least_step(*value_and_slope(own, p[left]))
         p[left] -= step
         left = left[np.abs(step).max(axis=1) > STILL * np.abs(p[left]).max(axis=1)]
         if not len(left):
             break
     return p
+
+
+def _least_step(value: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """(n, 3) what is to be taken off points at which forms have these values (n, k) and slopes (n, k, 3)."""
+    if value.shape[1] == 2:
+        u, v = value.T
+        s, t = slope[:, 0], slope[:, 1]
+        a, b, c = (np.einsum("ni,ni->n", x, y) for x, y in ((s, s), (s, t), (t, t)))
+        more = 1e-14 * (a + c)
+        a, c = a + more, c + more
+        whole = np.maximum(a * c - b * b, 1e-300)
+        one: np.ndarray = ((c * u - b * v) / whole)[:, None] * s + ((a * v - b * u) / whole)[:, None] * t
+        return one
+    gram = np.einsum("nik,njk->nij", slope, slope)
+    gram += 1e-14 * np.trace(gram, axis1=1, axis2=2)[:, None, None] * np.eye(value.shape[1])
+    step: np.ndarray = np.einsum("nik,ni->nk", slope, np.linalg.solve(gram, value[..., None])[..., 0])
+    return step
 
 
 def value_and_slope(forms: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

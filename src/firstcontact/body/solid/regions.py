@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb
 
+from firstcontact.body.solid import truth
 from firstcontact.body.solid.carriers import Box, Plane, Surface, doubles
-from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, inside, possible, surfaces_of
+from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, possible, surfaces_of
 from firstcontact.exact.numbers import to_double
 
 Region = tuple[np.ndarray, np.ndarray]
@@ -30,8 +31,8 @@ _LEVELS = 10
 # Numbers of surfaces of which it is sooner seen where the boundary is than which of all pairs meet: cells in which two
 # surfaces may meet are halved in each direction until they are too many.
 _MANY, _HALVINGS, _MOST_CELLS = range(12, 64), 6, 4000
-# Surfaces of a tree whose values are all looked at, to tell which of them make a difference.
-_MOST_TOLD = 6
+# Points times forms that are looked at in one go.
+_AT_ONCE = 10_000
 
 
 class Reach(NamedTuple):
@@ -167,12 +168,13 @@ class Regions:
         """(cells, surfaces): which may bound the solid in the cells centre (n, 3) +- half (3,)."""
         signs = self._signs(centre, half).astype(np.int8)
         found = np.zeros(signs.shape, bool)
-        open_ = np.flatnonzero(np.logical_and(*possible(tree, list((signs <= 0).T), list((signs >= 0).T))))
-        rows: dict[bytes, list[int]] = {}
-        for k in open_.tolist():
-            rows.setdefault(signs[k].tobytes(), []).append(k)
-        for own in rows.values():
-            found[own] = self._deciding(tree, signs[own[0]])
+        few = (signs == 0).sum(axis=1) <= truth.MOST
+        found[few] = truth.deciding(tree, signs[few])
+        many = np.flatnonzero(~few)
+        if len(many):
+            below, above = list((signs[many] <= 0).T), list((signs[many] >= 0).T)
+            for row in many[np.logical_and(*possible(tree, below, above))].tolist():
+                found[row] = self._deciding(tree, signs[row])
         return found
 
     def _deciding(self, tree: Tree, signs: np.ndarray) -> np.ndarray:
@@ -237,6 +239,9 @@ class Regions:
 
     def _signs(self, centre: np.ndarray, half: np.ndarray) -> np.ndarray:
         """(n, surfaces) signs, as of `signs`, in the boxes centre (n, 3) +- half (3,)."""
+        return np.concatenate([self._signs_of(centre[part], half) for part in parts(len(centre), len(self.forms))])
+
+    def _signs_of(self, centre: np.ndarray, half: np.ndarray) -> np.ndarray:
         x, h = np.column_stack([centre, np.ones(len(centre))]), np.append(half * 1.0000001, 0.0)
         sizes = np.abs(self.forms)
         reach = np.abs(x) + h
@@ -246,10 +251,20 @@ class Regions:
         spread = 2.0 * np.abs(image) @ h + (sizes @ h) @ h + _ROUNDING * terms
         signs = (value > spread).astype(int) - (value < -spread)
         least, most = self.primitives
-        lo, hi = centre[:, None] - half, centre[:, None] + half
-        beyond = ((least > hi) | (most < lo)).any(axis=2)
+        beyond = np.zeros(signs.shape, bool)
+        for k in range(3):
+            at = centre[:, k, None]
+            beyond |= (least[:, k] > at + half[k]) | (most[:, k] < at - half[k])
         found: np.ndarray = np.where(beyond & (self.outside != 0), self.outside, signs)
         return found
+
+
+def parts(count: int, forms: int) -> Iterator[slice]:
+    """Parts of so many points, of which the forms' values stay in the caches: for more BLAS takes a second thread,
+    which costs more than it brings."""
+    step = max(1, _AT_ONCE // max(1, forms))
+    for first in range(0, max(1, count), step):
+        yield slice(first, first + step)
 
 
 def holds(region: Region, point: Sequence[float]) -> bool:
@@ -289,15 +304,12 @@ def deciding(tree: Tree | bool) -> set[int]:
     """The surfaces whose side makes a difference somewhere; of a tree of many, all of them."""
     if isinstance(tree, bool):
         return set()
-    known = sorted(surfaces_of(tree))
-    if len(known) > _MOST_TOLD:
-        return set(known)
-    # bit c of a number: what is so where of surface k the side is bit k of c
-    count = len(known)
-    sides = {x: sum(1 << c for c in range(1 << count) if c >> k & 1) for k, x in enumerate(known)}
-    value = inside(tree, sides)  # type: ignore[arg-type]
-    every = (1 << (1 << count)) - 1
-    return {x for k, x in enumerate(known) if (value ^ value >> (1 << k)) & ~sides[x] & every}
+    known = surfaces_of(tree)
+    if len(known) > truth.MOST:
+        return known
+    signs = np.ones((1, max(known) + 1), np.int8)
+    signs[0, list(known)] = 0
+    return set(np.flatnonzero(truth.deciding(tree, signs)[0]).tolist())
 
 
 def _enlarged(box: Box | None) -> Region:
