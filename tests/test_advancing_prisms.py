@@ -47,6 +47,20 @@ def test_boxes_flush_at_the_side():
     assert [(y.start, y.end) for y in fc.contact_intervals(b, a)] == [(x.start, x.end)]
 
 
+def test_solids_of_planes_flush_at_the_side():
+    """UNDECIDED: gradients of both sides are parallel all along the edge, and a screw has no rational poses."""
+    a = fc.box((2, 2, 2)).translated((0, -4, -1)).moving(fc.Screw((0, 0, 1), degrees=180, advance=1))
+    b = fc.box((2, 2, 4)).translated((2, 0, 0))
+    start = np.degrees(np.arcsin(3 / np.sqrt(10)) - np.arctan2(1, 3)) / 180
+    for pair in ((a, b), (b, a)):
+        (x,) = fc.contact_intervals(*pair)
+        assert (x.start, x.end) == pytest.approx((start, 1 - start), abs=1e-14)
+        hit = fc.first_contact(*pair)
+        assert hit.time == pytest.approx(start, abs=1e-14) and hit.point[:2] == pytest.approx((3, -1))
+        assert {hit.element_a.label, hit.element_b.label} == {"x+/y+/z-", "x+"}
+        assert hit.contact_set is None
+
+
 @pytest.mark.parametrize("seed", range(amount(300, 20)))
 def test_boxes_on_a_screw(seed):
     rng = np.random.default_rng(seed)

@@ -78,6 +78,7 @@ def first(query: Query) -> FirstContact:
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", _exactly),
         Way("at the last instant", at_last_instant, is_proved),
+        Way("as polyhedra", _as_polyhedra, lambda query, _: seen is None and not query.is_algebraic),
         Way("what doubles proved", as_proved, is_proved),
     ], query)  # fmt: skip
 
@@ -91,6 +92,24 @@ def _exactly(query: Query, proved: Advance | None) -> FirstContact | Passed:
     if proved is not None and _denies(decided, proved):
         return Passed("it denies what doubles proved")
     return decided
+
+
+def _as_polyhedra(query: Query, _: object) -> FirstContact | Passed:
+    """Of solids of planes under motions without rational poses: what doubles left open, as meshes."""
+    from firstcontact.contact.mesh_model import as_polyhedra  # curved solids need not load meshes
+
+    if not as_polyhedra.are_of_planes(*query.bodies):
+        return Passed("they are not both of planes")
+    found = as_polyhedra.first(query)
+    return Passed(found.reason) if isinstance(found, Passed) else found
+
+
+def _intervals_as_polyhedra(query: Query, _: object) -> ContactIntervals | Passed:
+    from firstcontact.contact.mesh_model import as_polyhedra
+
+    if not as_polyhedra.are_of_planes(*query.bodies):
+        return Passed("they are not both of planes")
+    return as_polyhedra.intervals(query)
 
 
 def _undecided(query: Query, proved: Advance, reason: str) -> FirstContact:
@@ -280,6 +299,7 @@ def intervals(query: Query) -> ContactIntervals:
         Way("soon exactly", soon_decided, lambda query, _: query.is_auto and not any(map(needs_systems, models))),
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", exactly, lambda query, _: not query.is_certified),
+        Way("as polyhedra", _intervals_as_polyhedra, lambda query, _: not query.is_algebraic),
     ], query)  # fmt: skip
 
 
