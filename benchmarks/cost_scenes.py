@@ -299,6 +299,9 @@ row("solids whose sides come flush under a screw", "UNDECIDED", 5)(lambda: first
 row("solids whose sides come flush under a screw, intervals", "UNDECIDED", 5)(
     lambda: intervals(*_flush(fc.box((2, 2, 2))))
 )
+row("a drilled solid whose side comes flush under a screw, intervals", "UNDECIDED", 5)(
+    lambda: intervals(*_flush(fc.box((2, 2, 2)) - fc.cylinder("1/2", 4)))
+)
 
 
 @row("tool of five curved pieces along 499 steps of five axes, intervals", "11 steps in 400 s", 30)

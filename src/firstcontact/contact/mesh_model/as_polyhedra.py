@@ -27,14 +27,14 @@ LATER = "point", "normal", "element_a", "element_b", "others", "multiplicity", "
 
 def are_taken(a: Body, b: Body) -> bool:
     """Whether one of two bodies is a mesh, bare edges and points apart, and the other one a solid of planes."""
-    meshes = [isinstance(shape_of(x), Polyhedron) for x in (a, b)]
-    return sum(meshes) == 1 and are_of_planes(a, b)
+    return any(isinstance(shape_of(x), Polyhedron) for x in (a, b)) and are_of_planes(a, b)
 
 
 def are_of_planes(a: Body, b: Body) -> bool:
-    """Whether either body is a mesh, bare edges and points apart, or a solid of planes."""
-    return all(
-        len(x.triangles) > 0 if isinstance(x, Polyhedron) else planar(x) is not None for x in map(shape_of, (a, b))
+    """Whether both are solids of planes, or one of them and the other one a mesh, bare edges and points apart."""
+    shapes = shape_of(a), shape_of(b)
+    return not all(isinstance(x, Polyhedron) for x in shapes) and all(
+        len(x.triangles) > 0 if isinstance(x, Polyhedron) else planar(x) is not None for x in shapes
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.models.advancing import ignoring_advance
 from firstcontact.contact.models.algorithm import Candidate, Meeting, Root, Search, between
 from firstcontact.contact.models.answer import contact_of, listed, world_time
 from firstcontact.contact.models.at_rest import is_containment, overlap_around
@@ -260,6 +261,7 @@ def _decided(query: Query, work: Work) -> FirstContact:
 
 
 @ignoring_idle_turns
+@ignoring_advance
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact: by algebra where that is soon done, else certified in doubles, else by algebra.
 
