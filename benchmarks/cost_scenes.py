@@ -290,6 +290,20 @@ def _fitted() -> Question:
     return first(fc.cylinder("1999/1000", 6).moving(fc.Screw((0, 0, 1), degrees=50, advance=3)), plate)
 
 
+def _flush(body: Any) -> tuple[Any, Any]:
+    way = fc.Screw((0, 0, 1), degrees=180, advance=1)
+    return body.translated((0, -4, -1)).moving(way), fc.box((2, 2, 4)).translated((2, 0, 0))
+
+
+row("solids whose sides come flush under a screw", "UNDECIDED", 5)(lambda: first(*_flush(fc.box((2, 2, 2)))))
+row("solids whose sides come flush under a screw, intervals", "UNDECIDED", 5)(
+    lambda: intervals(*_flush(fc.box((2, 2, 2))))
+)
+row("a drilled solid whose side comes flush under a screw, intervals", "UNDECIDED", 5)(
+    lambda: intervals(*_flush(fc.box((2, 2, 2)) - fc.cylinder("1/2", 4)))
+)
+
+
 @row("tool of five curved pieces along 499 steps of five axes, intervals", "11 steps in 400 s", 30)
 def _five_axes() -> Question:
     pieces = [fc.cylinder(1, 4), fc.sphere(1).translated((0, 0, -2)), fc.frustum(1, 2, 2).translated((0, 0, 2))]
@@ -323,6 +337,14 @@ row("two ruled pieces under a screw, in the other order", "CONTACT or UNDECIDED"
     lambda: first(*_pair_under_screw()[::-1])
 )
 row("two ruled pieces under a screw, intervals", "13 to 18 s, UNDECIDED", 30)(lambda: intervals(*_pair_under_screw()))
+
+
+@row("contact_condition of two pieces whose rulings are all parallel", "over 25 s", 8)
+def _parallel_rulings() -> Question:
+    low = "5*u + 3*(u**2 + T)", "2*u**2 + 2*T - u", "u - u**2 - T"
+    bent = fc.RuledSurface(f"({', '.join(low)})", f"({low[0]} + 3, {low[1]} + 1, {low[2]} - 2)", u=(-2, 2))
+    flat = fc.RuledSurface("(5*u, -u, u)", "(5*u + 6, 2 - u, u - 4)", u=(-1, 2))
+    return lambda: fc.contact_condition(bent, flat)
 
 
 @row("trimmed pieces under a translation", "refused", 30)

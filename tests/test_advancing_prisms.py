@@ -12,11 +12,11 @@ from amount import amount
 ACROSS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
 
 
-def block(middle, size):
+def block(middle, size, box=fc.examples.box):
     """A box, and its corners (4, 2) seen along z with its least and greatest height."""
     (x, y, z), (dx, dy, dz) = middle, size
     corners = np.array([x, y]) + ACROSS * [dx / 2, dy / 2]
-    return fc.examples.box(size).translated(middle), (corners, z - dz / 2, z + dz / 2)
+    return box(size).translated(middle), (corners, z - dz / 2, z + dz / 2)
 
 
 def turned(corners, degrees):
@@ -47,12 +47,41 @@ def test_boxes_flush_at_the_side():
     assert [(y.start, y.end) for y in fc.contact_intervals(b, a)] == [(x.start, x.end)]
 
 
+def test_solids_of_planes_flush_at_the_side():
+    """UNDECIDED: gradients of both sides are parallel all along the edge, and a screw has no rational poses."""
+    a = fc.box((2, 2, 2)).translated((0, -4, -1)).moving(fc.Screw((0, 0, 1), degrees=180, advance=1))
+    b = fc.box((2, 2, 4)).translated((2, 0, 0))
+    start = np.degrees(np.arcsin(3 / np.sqrt(10)) - np.arctan2(1, 3)) / 180
+    for pair in ((a, b), (b, a)):
+        (x,) = fc.contact_intervals(*pair)
+        assert (x.start, x.end) == pytest.approx((start, 1 - start), abs=1e-14)
+        hit = fc.first_contact(*pair)
+        assert hit.time == pytest.approx(start, abs=1e-14) and hit.point[:2] == pytest.approx((3, -1))
+        assert {hit.element_a.label, hit.element_b.label} == {"x+/y+/z-", "x+"}
+        assert hit.contact_set is None
+
+
+@pytest.mark.parametrize("cut", ["drilled", "rounded"])
+def test_solids_with_round_walls_flush_at_the_side(cut):
+    """Intervals were UNDECIDED from half the time on, where sides come flush."""
+    box, r = fc.box((2, 2, 2)), F(11, 10)
+    body = box - fc.cylinder("1/2", 4) if cut == "drilled" else box & fc.cylinder(r, 2)
+    moving = body.translated((0, -4, -1)).moving(fc.Screw((0, 0, 1), degrees=180, advance=1))
+    (x,) = fc.contact_intervals(moving, fc.box((2, 2, 4)).translated((2, 0, 0)))
+    # the corner at (3, -1) comes to the side, or before its end to the round wall about (0, -4)
+    angle = np.arcsin(3 / np.sqrt(10)) - np.arctan2(1, 3)
+    if cut == "rounded":  # as far as r from the middle of the wall, 4 from the axis
+        angle = np.arctan2(-1, 3) + np.pi / 2 - np.arccos((10 + 16 - float(r) ** 2) / (8 * np.sqrt(10)))
+    assert (x.start, x.end) == pytest.approx((np.degrees(angle) / 180, 1 - np.degrees(angle) / 180), abs=1e-12)
+
+
 @pytest.mark.parametrize("seed", range(amount(300, 20)))
 def test_boxes_on_a_screw(seed):
     rng = np.random.default_rng(seed)
     size_a, size_b = rng.integers(1, 4, (2, 3)).tolist()
-    a, flat_a = block([int(rng.integers(2, 5)), int(rng.integers(-1, 2)), int(rng.integers(-3, 1))], size_a)
-    b, flat_b = block([int(rng.integers(-2, 3)), int(rng.integers(2, 5)), int(rng.integers(-1, 2))], size_b)
+    box = fc.box if seed % 3 == 0 else fc.examples.box
+    a, flat_a = block([int(rng.integers(2, 5)), int(rng.integers(-1, 2)), int(rng.integers(-3, 1))], size_a, box)
+    b, flat_b = block([int(rng.integers(-2, 3)), int(rng.integers(2, 5)), int(rng.integers(-1, 2))], size_b, box)
     degrees, advance = int(rng.choice([90, 180, 270, 360])), F(int(rng.integers(-6, 7)), 2)
     scale = int(rng.integers(1, 3))
     moving = a.moving(fc.Screw((0, 0, scale), degrees=degrees, advance=advance))

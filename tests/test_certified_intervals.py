@@ -147,6 +147,13 @@ def test_the_number_of_contacts_is_not_limited(monkeypatch):
     assert found.status is fc.Status.CONTACT and len(found) == 5
 
 
+def test_a_span_that_ends_beside_its_double():
+    """ZeroDivisionError: the double 0.3 is below 3/10, and contact was followed to the next one."""
+    box = primitives.box((1, 1, 1)).moving(fc.Screw((0, 0, 1), degrees=30, advance=1))
+    (x,) = fc.contact_intervals(box, primitives.box((1, 1, 4)), span=(0, "3/10"), method="certified")
+    assert (x.start, x.end) == (0.0, 0.3)
+
+
 def test_boxes_that_are_flush_in_the_last_instant_of_a_screw():
     """Finer arithmetic proved less than a double's step of time again and again, for ever."""
     box = primitives.box((2, 2, 2))

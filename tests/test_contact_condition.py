@@ -37,6 +37,28 @@ def grid(u, t, n=8):
     return [(F(u) * i / n, F(t) * j / n) for i in range(-n, n + 1) for j in range(-n, n + 1)]
 
 
+def test_parallel_rulings_that_meet_on_one_border_alone():
+    """The text said "never": the border came from one pair of polynomials only."""
+    bent = fc.RuledSurface("(0, u, u**2 + T)", "(1, u, u**2 + T)", u=(-2, 2))
+    slope = fc.RuledSurface("(0, u, u)", "(1, u, u)", u=(-1, 1))
+    condition = fc.contact_condition(bent, slope)
+    places = [(u, t) for u, _ in grid(2, 1) for t in (u - u * u, u - u * u + F(1, 9))]
+    assert all(condition.holds(u, t) is (t == u - u * u and abs(u) <= 1) for u, t in places)
+    agree(condition, places)
+
+
+@pytest.mark.parametrize("length", ["2", "2/(5 - u)"])
+def test_parallel_rulings_are_few_cells(length):
+    """Every pair of brackets and coordinates made borders: tens of thousands of cells, half a minute."""
+    low = "5*u + 3*(u**2 + T)", "2*u**2 + 2*T - u", "u - u**2 - T"
+    bent = fc.RuledSurface(f"({', '.join(low)})", f"({low[0]} + 3, {low[1]} + 1, {low[2]} - 2)", u=(-2, 2))
+    flat = fc.RuledSurface("(5*u, -u, u)", f"(5*u + 3*{length}, -u + {length}, u - 2*{length})", u=(-1, 2))
+    condition = fc.contact_condition(bent, flat)
+    assert len(condition.cells) < 1000
+    places = [(u, t) for u, _ in grid(2, 1) for t in (-u * u, F(1, 3) - u * u)]
+    assert all(condition.holds(u, t) is (t == -u * u and -1 <= u) for u, t in places)
+
+
 def test_an_instant_far_from_all_other_times():
     flat = fc.RuledSurface("(u, -1, T - 1000)", "(u, 1, T - 1000)", u=(-1, 1))
     condition = fc.contact_condition(flat, CROSS)
@@ -55,7 +77,7 @@ def test_contact_on_a_curve_alone():
     rising = fc.RuledSurface("(u, -1, u**2 + T)", "(u, 1, u**2 + T)", u=(-2, 2))
     condition = fc.contact_condition(rising, FLOOR)
     assert str(condition).splitlines() == [
-        "R1 = 0 and R2 >= 0 and R3 <= 0", "  R1 = u^2 + T", "  R2 = u + 1", "  R3 = u - 1", "for some u: -1 <= T <= 0"
+        "R1 >= 0 and R2 <= 0 and R3 = 0", "  R1 = u + 1", "  R2 = u - 1", "  R3 = u^2 + T", "for some u: -1 <= T <= 0"
     ]  # fmt: skip
     agree(condition, [*grid(1, 1), ("3/2", "-9/4"), (1, -1), ("-1/2", "-1/4")])
 

@@ -208,3 +208,42 @@ def test_a_refusal_says_each_reason_once_and_promises_nothing(verb):
     with pytest.raises(fc.UnsupportedPair) as told:
         verb(*pair, exact=True)
     assert "no rational pose" in str(told.value) and "without" not in str(told.value)
+
+
+COIN = fc.RuledSurface("(u, 0, 0)", "(u, 1, 0)", u=(-1, 1), s=(-1, 1), trim=["u**2 + s**2 <= 1"])
+BOARD = fc.RuledSurface("(u, -2, 0)", "(u, 2, 0)", u=(-2, 2))
+
+
+@pytest.mark.parametrize("at, way, time", [
+    ((0, 0, 1), (0, 0, -2), Fraction(1, 2)),  # flat
+    ((-4, 0, 0), (4, 0, 0), Fraction(1, 4)),  # in the plane, across the rulings and along them
+    ((0, -4, 0), (0, 4, 0), Fraction(1, 4)),
+    ((Fraction(13, 5), Fraction(14, 5), 1), (0, 0, -2), Fraction(1, 2)),  # the corner at (2, 2) on the rim
+    ((Fraction(14, 5), Fraction(14, 5), 1), (0, 0, -2), None),
+])  # fmt: skip
+def test_a_coin_whose_rulings_lie_along_those_of_a_board(at, way, time):
+    """UNDECIDED, and refused exactly: rulings on one line; the board is ruled the other way."""
+    coin = COIN.translated(at).moving(fc.Translation(way))
+    for pair in ((coin, BOARD), (BOARD, coin)):
+        found = fc.first_contact(*pair, exact=True)
+        assert found.time_exact == time and (time is not None or found.status is fc.Status.FREE)
+        assert fc.first_contact(*pair).status is found.status
+    assert [(x.start_exact, x.end_exact) for x in fc.contact_intervals(coin, BOARD, exact=True)][:1] == (
+        [] if time is None else [(time, time if way[2] else 1)]
+    )
+
+
+def test_elements_of_a_board_that_is_ruled_the_other_way():
+    across, along = (
+        fc.first_contact(COIN.translated(at).moving(fc.Translation(way)), BOARD, exact=True).element_b
+        for at, way in (((-4, 0, 0), (4, 0, 0)), ((0, -4, 0), (0, 4, 0)))
+    )
+    assert (across.kind, across.index) == ("end_ruling", 0) and (along.kind, along.index) == ("directrix", 0)
+
+
+def test_a_piece_ruled_the_other_way_has_the_same_points():
+    piece = fc.RuledSurface("(u, 1, u)", "(2 - u, u, 3*u)", u=(-1, 2), s=(-1, 3), trim=["u <= s"])
+    other = piece.crossed()
+    assert np.allclose(piece.points(0.25, 1.75), other.points(1.75, 0.25)) and (other.u, other.s) == (piece.s, piece.u)
+    assert str(other.trim[0]) == str(fc.RuledSurface("(u, 0, 0)", "(u, 1, 0)", trim=["s <= u"]).trim[0])
+    assert fc.RuledSurface("(u, 0, 0)", "(u**2, 1, 0)").crossed() is None

@@ -8,7 +8,8 @@ from flint import fmpq
 from scipy.optimize import brentq
 
 import firstcontact as fc
-from firstcontact.contact.polyhedra.prisms import Apart, in_one_plane
+from firstcontact.contact.advancing import Apart
+from firstcontact.contact.polyhedra.prisms import in_one_plane
 from firstcontact.work import Query
 from mechanism import oracle
 

@@ -12,6 +12,7 @@ ways      the ways to an answer, asked in order; rooms list theirs in `first`
 reduce    polyhedra as solids of planes, where these are quicker
 endless   spans without an end
 centred   small bodies far from the origin
+advancing   when heights meet of bodies that advance along the axis about which they turn
 carried   answers for a question that was put elsewhere
 named     elements of ruled surfaces by name
 """

@@ -18,7 +18,10 @@ def proved_intervals(found: Found, work: Work, query: Query) -> ContactIntervals
     first, last = query.span
     intervals = []
     for x in found.intervals:
-        start, end = ((max(lo, first) + 0.0, min(hi, last) + 0.0) for lo, hi in (x.start, x.end))  # never -0.0
+        # windows end at doubles beyond the span's end, which is between doubles; never -0.0
+        start, end = (
+            (min(max(lo, first), last) + 0.0, max(min(hi, last), first) + 0.0) for lo, hi in (x.start, x.end)
+        )
         intervals.append(ContactInterval(likely_time(start), end[0] if x.open else likely_time(end), start, end))
     status, until = Status.FREE, last
     if intervals:

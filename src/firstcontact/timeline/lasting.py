@@ -15,9 +15,10 @@ from typing import Any, ClassVar, Generic, TypeVar
 import numpy as np
 from flint import arb
 
+from firstcontact.body.solid.carriers import Quadric
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import And, Leaf, Not, Tree, possible
-from firstcontact.exact.numbers import precision
+from firstcontact.exact.numbers import precision, to_double
 from firstcontact.exact.rigid import inverse_map
 from firstcontact.kernels.poses import accelerations, pose_at
 from firstcontact.kernels.workspace import HERE_A, SPEED, SPREAD, workspace
@@ -32,6 +33,8 @@ MOST_STEPS = 300
 """Of one proof of lasting contact."""
 SIGNS = np.array([x for x in product((-1.0, 0.0, 1.0), repeat=3) if any(x)])
 GROWTH, SHRINKAGE = 2.0, 0.25
+TIP, TIP_DEPTHS = 1e-3, 20
+"""Parts of its coordinates as near as which a point is about an apex, and how often a quarter of that is tried."""
 
 
 P = TypeVar("P")
@@ -47,6 +50,9 @@ class Solid:
         with precision(BITS):
             self.exact = [[[arb(c) for c in row] for row in s.matrix()] for s in model.surfaces]
         self.forms = _normalised(model)
+        cones = [x for x in model.surfaces if isinstance(x, Quadric) and x.apex is not None]
+        self.tips = [_tip(x) for x in cones]
+        """Apexes of its cones, and unit ways along their axes."""
 
     def holds(self, x: Sequence[arb], moved: Sequence[arb] | None = None) -> bool:
         """Whether the model holds x (in its frame), and all points that far from it."""
@@ -251,6 +257,23 @@ class LastingOfModels(Lasting[np.ndarray]):
         found = self._deep(self._placed(self._poses(window, t)), seeds)
         return next((point for point in found if self.is_shared(window, t, point)), None)
 
+    def each_held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+        yield from super().each_held(window, t, seeds)
+        yield from self._below_tips(window, t, seeds)
+
+    def _below_tips(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+        """Points on axes of cones, half as far from their apexes as common points go: there doubles tell no depth."""
+        for solid, (turned, shift) in zip(self.solids, self._poses(window, t), strict=True):
+            for apex, way in solid.tips:
+                tip, along = turned @ apex + shift, turned @ way
+                near = TIP * float(np.abs(tip).max() + np.linalg.norm(along))
+                if min((float(np.abs(x - tip).max()) for x in seeds), default=np.inf) > near:
+                    continue
+                places = (tip + sign * near * 0.25**k * along for k in range(TIP_DEPTHS) for sign in (1.0, -1.0))
+                deep = next((x for x in places if self.is_shared(window, t, x)), None)
+                if deep is not None:
+                    yield tip + 0.5 * (deep - tip)
+
     def rough(self, poses: Sequence[Pose], seeds: Sequence[np.ndarray]) -> np.ndarray | None:
         """A point that doubles take for one inside both models in these poses: below the best of seeds and samples."""
         forms = self._placed(poses)
@@ -367,6 +390,13 @@ def tree_height(tree: Tree, values: np.ndarray) -> np.ndarray:
         return -tree_height(tree.inner, values)
     first, second = tree_height(tree.first, values), tree_height(tree.second, values)
     return np.maximum(first, second) if isinstance(tree, And) else np.minimum(first, second)
+
+
+def _tip(cone: Quadric) -> tuple[np.ndarray, np.ndarray]:
+    """Its apex, and the unit way along which it goes deepest into the cone."""
+    assert cone.apex is not None
+    form = np.array([[to_double(x) for x in row[:3]] for row in cone.form[:3]])
+    return np.array([to_double(x) for x in cone.apex[:3]]), np.linalg.eigh(form)[1][:, 0]
 
 
 def _normalised(model: CompositeQuadric) -> np.ndarray:

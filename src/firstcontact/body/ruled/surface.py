@@ -321,6 +321,24 @@ class RuledSurface(Placing):
         inner |= {f"s{k}" for k in (0, 1) if self.s is None or s[k] != self.s[k]}
         return self._with(u=u, s=s, trim=(), joined=self.joined | inner)
 
+    def crossed(self) -> RuledSurface | None:
+        """The same points ruled the other way, u and s exchanged; None where lines across are not straight.
+
+        Directrices become end rulings, and end rulings directrices.
+        """
+        curves = self.first, self.second
+        if self.u is None or self.s is None or self.deforming:
+            return None
+        if any(c.degree > 1 or c.components[3].degree() > 0 for c in curves):
+            return None
+        (p, q), (r, t) = ([[fmpq(x(u), c.components[3](u)) for x in c.components[:3]] for u in (0, 1)] for c in curves)
+        first, second = (RationalCurve([[x, y - x] for x, y in zip(*ends, strict=True)]) for ends in ((p, r), (q, t)))
+        trim = tuple(
+            Trim(PARAMETERS.from_dict({(j, i): c for (i, j), c in terms(x.polynomial).items()})) for x in self.trim
+        )
+        joined = frozenset(("s" if x[0] == "u" else "u") + x[1] for x in self.joined)
+        return self._with(first=first, second=second, u=self.s, s=self.u, trim=trim, joined=joined)
+
     def _with(self, **changes: object) -> RuledSurface:
         other = object.__new__(RuledSurface)
         other.__dict__.update(self.__dict__)

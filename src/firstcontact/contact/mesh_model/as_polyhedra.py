@@ -1,4 +1,7 @@
-"""A polyhedron of any shape and a solid of planes: two polyhedra, whose search is exact and many times as quick."""
+"""A polyhedron of any shape and a solid of planes: two polyhedra, whose search is exact and many times as quick.
+
+Two solids of planes are so where what is made for curved ones does not decide them.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +27,15 @@ LATER = "point", "normal", "element_a", "element_b", "others", "multiplicity", "
 
 def are_taken(a: Body, b: Body) -> bool:
     """Whether one of two bodies is a mesh, bare edges and points apart, and the other one a solid of planes."""
-    mesh, solid = (a, b) if isinstance(shape_of(a), Polyhedron) else (b, a)
-    if not isinstance(shape_of(mesh), Polyhedron) or isinstance(shape_of(solid), Polyhedron):
-        return False
-    return len(shape_of(mesh).triangles) > 0 and planar(shape_of(solid)) is not None
+    return any(isinstance(shape_of(x), Polyhedron) for x in (a, b)) and are_of_planes(a, b)
+
+
+def are_of_planes(a: Body, b: Body) -> bool:
+    """Whether both are solids of planes, or one of them and the other one a mesh, bare edges and points apart."""
+    shapes = shape_of(a), shape_of(b)
+    return not all(isinstance(x, Polyhedron) for x in shapes) and all(
+        len(x.triangles) > 0 if isinstance(x, Polyhedron) else planar(x) is not None for x in shapes
+    )
 
 
 def first(query: Query, _: object = None) -> FirstContact | Passed:

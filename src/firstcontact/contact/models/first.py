@@ -11,6 +11,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.models.advancing import ignoring_advance
 from firstcontact.contact.models.algorithm import Candidate, Meeting, Root, Search, between
 from firstcontact.contact.models.answer import contact_of, listed, world_time
 from firstcontact.contact.models.at_rest import is_containment, overlap_around
@@ -78,6 +79,7 @@ def first(query: Query) -> FirstContact:
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", _exactly),
         Way("at the last instant", at_last_instant, is_proved),
+        Way("as polyhedra", _as_polyhedra, lambda query, _: seen is None and not query.is_algebraic),
         Way("what doubles proved", as_proved, is_proved),
     ], query)  # fmt: skip
 
@@ -91,6 +93,24 @@ def _exactly(query: Query, proved: Advance | None) -> FirstContact | Passed:
     if proved is not None and _denies(decided, proved):
         return Passed("it denies what doubles proved")
     return decided
+
+
+def _as_polyhedra(query: Query, _: object) -> FirstContact | Passed:
+    """Of solids of planes under motions without rational poses: what doubles left open, as meshes."""
+    from firstcontact.contact.mesh_model import as_polyhedra  # curved solids need not load meshes
+
+    if not as_polyhedra.are_of_planes(*query.bodies):
+        return Passed("they are not both of planes")
+    found = as_polyhedra.first(query)
+    return Passed(found.reason) if isinstance(found, Passed) else found
+
+
+def _intervals_as_polyhedra(query: Query, _: object) -> ContactIntervals | Passed:
+    from firstcontact.contact.mesh_model import as_polyhedra
+
+    if not as_polyhedra.are_of_planes(*query.bodies):
+        return Passed("they are not both of planes")
+    return as_polyhedra.intervals(query)
 
 
 def _undecided(query: Query, proved: Advance, reason: str) -> FirstContact:
@@ -241,6 +261,7 @@ def _decided(query: Query, work: Work) -> FirstContact:
 
 
 @ignoring_idle_turns
+@ignoring_advance
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact: by algebra where that is soon done, else certified in doubles, else by algebra.
 
@@ -280,6 +301,7 @@ def intervals(query: Query) -> ContactIntervals:
         Way("soon exactly", soon_decided, lambda query, _: query.is_auto and not any(map(needs_systems, models))),
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", exactly, lambda query, _: not query.is_certified),
+        Way("as polyhedra", _intervals_as_polyhedra, lambda query, _: not query.is_algebraic),
     ], query)  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from dataclasses import replace
 
+from firstcontact.contact.advancing import Apart, in_longer_span
 from firstcontact.contact.polyhedra.advancing_prisms import without_advance
 from firstcontact.contact.polyhedra.answers import (
     JoinedInterval,
@@ -18,7 +19,7 @@ from firstcontact.contact.polyhedra.answers import (
 from firstcontact.contact.polyhedra.earliest import Found, Pair, all_pairs, earliest
 from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
-from firstcontact.contact.polyhedra.prisms import Apart, in_one_plane
+from firstcontact.contact.polyhedra.prisms import in_one_plane
 from firstcontact.contact.polyhedra.problems.problem import far_apart, problem_of, problems_in_order, stretches
 from firstcontact.contact.polyhedra.sharpened import sharpened
 from firstcontact.contact.ways import Passed, Way, answered, decided
@@ -100,16 +101,7 @@ def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
         return Passed("they are no prisms that move in one plane, nor is one on the other")
     if isinstance(other, Apart):
         return ContactIntervals((), Status.FREE, query.span[1], None, _timed(NO_WORK, query.begin), **query.shared)
-    return decided(_in_longer_span(_contact_intervals(other), other, query), query)
-
-
-def _in_longer_span(found: ContactIntervals, asked: Query, query: Query) -> ContactIntervals:
-    """The answer to a query whose bodies are apart at all times before and after those that were asked about."""
-    later = found.status is Status.INITIAL_CONTACT and asked.first > query.first
-    return replace(
-        found, status=Status.CONTACT if later else found.status,
-        free_until=query.span[1] if found.status is Status.FREE else found.free_until, **query.shared,
-    )  # fmt: skip
+    return decided(in_longer_span(_contact_intervals(other), other, query), query)
 
 
 def _by_trees_soon(query: Query, _: None) -> ContactIntervals | Passed:

@@ -12,11 +12,12 @@ can share are points of that height: prisms over these stand for both.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.advancing import Apart
 from firstcontact.contact.polyhedra.level_regions import Region, border_of, flat, region_at, turn
 from firstcontact.contact.polyhedra.planar import is_across
 from firstcontact.exact.numbers import fraction
@@ -35,10 +36,6 @@ if TYPE_CHECKING:
 
 MOST_VERTICES = 200
 """Of a body that is looked at, exactly."""
-
-
-class Apart(NamedTuple):
-    """That the heights of two bodies do not meet."""
 
 
 def in_one_plane(query: Query) -> Query | Apart | None:

@@ -15,6 +15,7 @@ from firstcontact.contact.in_turn import first_in_turn, intervals_in_turn
 from firstcontact.contact.named import element
 from firstcontact.contact.reduce import is_small_and_convex
 from firstcontact.contact.ruled import certified, posed
+from firstcontact.contact.ruled.crossing import across, named_as_before
 from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, parts_of
 from firstcontact.contact.ruled_solid import certified as by_search
 from firstcontact.contact.signs import exactly
@@ -29,7 +30,7 @@ from firstcontact.contact.ways import Passed, R, tried
 from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
-from firstcontact.result import ContactIntervals, FirstContact, Status
+from firstcontact.result import ContactIntervals, Element, FirstContact, Status
 from firstcontact.search.rulings.directrices import DirectrixPiece, directrix_pieces
 from firstcontact.work import Query, Work
 
@@ -148,22 +149,25 @@ def _pieces(query: Query, work: Work, reach: Reach) -> Iterator[tuple[Polynomial
     if not numbers:
         yield from ((motion, []) for motion in relative_pieces(a, b, first, last))
         return
-    combined = [(i, j, parts_a[i], parts_b[j]) for i, j in numbers]
-    for steps in zip(*(directrix_pieces(x, y, first, last) for _, _, x, y in combined), strict=True):
+    combined = [(i, j, *across(parts_a[i], parts_b[j])) for i, j in numbers]
+    for steps in zip(*(directrix_pieces(x, y, first, last) for _, _, x, y, _ in combined), strict=True):
         work.free_until = below(steps[0].motion.start)
         found = [_pair(query, pair, step, work, reach) for pair, step in zip(combined, steps, strict=True)]
         yield steps[0].motion, found
 
 
 def _pair(
-    query: Query, pair: tuple[int, int, RuledBody, RuledBody], step: DirectrixPiece, work: Work, reach: Reach
-) -> PiecePair:
-    i, j, x, y = pair
+    query: Query, pair: tuple[int, int, RuledBody, RuledBody, tuple[bool, bool]], step: DirectrixPiece, work: Work,
+    reach: Reach,
+) -> PiecePair:  # fmt: skip
+    i, j, x, y, turned = pair
     span = span_of(step.motion)
     joined = shape_of(x).joined, shape_of(y).joined
     times = Times(conditions(x, y, step, span), span, work, reach)
-    of = {"a": (query.a, i), "b": (query.b, j)}
-    return PiecePair(
-        step.motion, times, lambda contact: touch(contact, joined),
-        lambda known, which: element(of[which][0], *known, of[which][1], which),
-    )  # fmt: skip
+    of = {"a": (query.a, i, turned[0]), "b": (query.b, j, turned[1])}
+
+    def named(known: tuple[str, int], which: str) -> Element | None:
+        body, number, is_turned = of[which]
+        return element(body, *(named_as_before(*known) if is_turned else known), number, which)
+
+    return PiecePair(step.motion, times, lambda contact: touch(contact, joined), named)

@@ -2,6 +2,7 @@
 
 pieces         bounded pieces: parameter ranges, s in [0, 1], trimming
 conditions     when two rulings share a point, by signs of polynomials in u, v and T
+forced         the equation that takes Delta's place where all rulings are parallel
 sheets         elimination: the times at which contact may change
 times          all times of contact of two pieces, cell by cell
 exclusion      proofs of no contact in doubles

@@ -20,6 +20,7 @@ from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
 from firstcontact.body.ruled.rational_curve import RationalCurve, lifted
 from firstcontact.body.ruled.surface import RuledSurface
+from firstcontact.contact.signs.forced import forced_equation
 from firstcontact.contact.signs.pieces import at_place, range_of
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.fields.roots import roots_in
@@ -76,7 +77,7 @@ class SignConditions(Protocol):
 class Conditions:
     """Of one piece of the motion; polynomials of the ring of u, v and T.
 
-    delta      zero where the lines meet
+    delta      zero where the lines meet; where all do, what the ends of rulings force to be zero, if anything
     brackets   rows [P1P2Q1 e], [P1P2Q2 e], [P1Q1Q2 e], [P2Q1Q2 e], columns e = X, Y, Z: t = 0, t = 1, s = 0, s = 1 are
                their zeros on delta = 0
     axes       for x, y, z: the coordinates of P1 and P2 less those of Q1 and Q2, up to positive factors
@@ -99,6 +100,8 @@ class Conditions:
     plane of the rulings."""
     trimmed: str = ""
     """What error texts call the trimmed pieces."""
+    forced: bool = False
+    """Whether delta is such an equation, on which contact may be on curves alone."""
     moment: fmpq | None = None
     """Of conditions at one time, whose curves still move."""
     known: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -142,7 +145,9 @@ class Conditions:
 
     @cached_property
     def may_be_thin(self) -> bool:
-        """False proves that no trimming inequality leaves parts of a piece without area."""
+        """False proves that no trimming inequality leaves parts of a piece without area, and delta is not forced."""
+        if self.forced:
+            return True
         ranges = [(ends, own) for ends, own in zip((self.u, self.v), self.bounded, strict=True)]
         return any(some and not bound_once(some, *rest) for some, rest in zip(self.trims, ranges, strict=True))
 
@@ -343,7 +348,11 @@ def _conditions(
     )
     if factors:
         delta = product(f for f in factors if str(f) not in positive)
-    return Conditions(delta, brackets, axes, u, v, bounded, (p, q), trims, kept)
+    found = Conditions(delta, brackets, axes, u, v, bounded, (p, q), trims, kept)
+    if delta.is_zero():
+        equation = forced_equation((pair for k in range(3) for pair in found.ends(k)), u, v)
+        return replace(found, delta=equation, forced=not equation.is_zero(), known={})
+    return found
 
 
 def _kept(trims: Trims, name: str, first: fmpz_mpoly, second: fmpz_mpoly) -> list[fmpz_mpoly]:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from firstcontact.body.solid.carriers import Quadric
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import Leaf, Not, Tree
 from firstcontact.body.torus.torus import Torus
@@ -98,6 +99,10 @@ class Forms(Heights):
         slack = 1e-14 * np.abs(turns).max(axis=1)
         self.bends = np.stack([np.maximum(0.0, slack - turns[:, 0]), np.maximum(0.0, slack + turns[:, 2])])
         self.bends[:, np.abs(self.forms[:, :3, :3]).max(axis=(1, 2)) == 0.0] = 0.0
+        self.apexes = [
+            (k, np.array([to_double(c) for c in surface.apex[:3]]))
+            for k, surface in enumerate(model.surfaces) if isinstance(surface, Quadric) and surface.apex is not None
+        ]  # fmt: skip
 
     def around(self, c: np.ndarray, reach: np.ndarray) -> Around:
         x = np.column_stack([c, np.ones(len(c))])
@@ -105,9 +110,22 @@ class Forms(Heights):
         values = np.einsum("nsi,ni->ns", image, x)
         most = np.abs(x) + reach[:, None]
         errors = ROUNDINGS * U * np.einsum("ni,sij,nj->ns", most, self.sizes, most, optimize=True)
+        gradients = 2.0 * image[:, :, :3]
+        for k, apex in self.apexes:
+            self._about(k, c - apex, 2.0 * U * np.abs(apex), reach, values, errors, gradients)
         least = np.full((2, *values.shape), -np.inf)
         bends = np.repeat(self.bends[:, None], len(c), axis=1)
-        return Around(values, errors, 2.0 * image[:, :, :3], bends, least)
+        return Around(values, errors, gradients, bends, least)
+
+    def _about(
+        self, k: int, d: np.ndarray, off: np.ndarray, reach: np.ndarray, values: np.ndarray, errors: np.ndarray,
+        gradients: np.ndarray,
+    ) -> None:  # fmt: skip
+        """Puts in what cone k is at places d from its apex, rounded by `off` at most: there nothing cancels."""
+        form, size = self.forms[k, :3, :3], self.sizes[k, :3, :3]
+        most = np.abs(d) + reach[:, None]
+        values[:, k], gradients[:, k] = ((d @ form) * d).sum(axis=1), 2.0 * d @ form
+        errors[:, k] = ROUNDINGS * U * ((most @ size) * most).sum(axis=1) + (2.0 * most + off) @ size @ off
 
     def planes(self) -> np.ndarray:
         flat: np.ndarray = np.abs(self.forms[:, :3, :3]).max(axis=(1, 2)) == 0.0

@@ -19,7 +19,7 @@ SAMPLES = 12
 
 class SolidTorus(Solid):
     def __init__(self, torus: Torus) -> None:
-        self.torus = torus
+        self.torus, self.tips = torus, []
         with precision(BITS):
             self.back = tuple(tuple(arb(x) for x in row) for row in torus.back)
             self.radii = arb(torus.major), arb(torus.minor)

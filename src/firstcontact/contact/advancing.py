@@ -1,0 +1,78 @@
+"""Bodies that turn about one direction, or shift, and advance along it at constant speed: when their heights meet.
+
+Bodies that are the same at all heights share points exactly while these meet and the bodies do as they would without
+the advance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from flint import fmpq
+
+from firstcontact.exact.numbers import above, below
+from firstcontact.exact.rigid import rational_sqrt
+from firstcontact.exact.vectors import Vector, cross, dot, scaled, sub
+from firstcontact.motion.moving import Moving
+from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.translation import Translation
+from firstcontact.result import ContactInterval, ContactIntervals, Status
+from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
+
+class Apart(NamedTuple):
+    """That the heights of two bodies do not meet."""
+
+
+def axis_of_screw(query: Query) -> Vector | None:
+    """Of the first body that is on one; None where none is, or the span has no end."""
+    motions = [body.motion for body in query.bodies if isinstance(body, Moving)]
+    return next((x.axis for x in motions if isinstance(x, Screw)), None) if query.last is not None else None
+
+
+def while_heights_meet(
+    query: Query, of_a: tuple[fmpq, fmpq], of_b: tuple[fmpq, fmpq], rise: fmpq
+) -> tuple[fmpq, fmpq] | Apart:
+    """The first and the last time of the span at which they do; rise: how fast those of a grow beside those of b."""
+    meet = sorted(((of_b[0] - of_a[1]) / rise, (of_b[1] - of_a[0]) / rise))
+    first, last = max(meet[0], query.first), min(meet[1], query.end)
+    return Apart() if first > last else (first, last)
+
+
+def level(body: Body, normal: Vector) -> tuple[Body, fmpq] | None:
+    """The body without its advance along the normal, and how fast its heights grow; None for other motions."""
+    if not isinstance(body, Moving):
+        return body, fmpq(0)
+    motion = body.motion
+    if isinstance(motion, Translation):
+        ahead = dot(motion.vector, normal)
+        across = sub(motion.vector, scaled(ahead / dot(normal, normal), normal))
+        return Moving(body.body, Translation(across)), ahead
+    if not isinstance(motion, Rotation | Screw) or any(cross(motion.axis, normal)):
+        return None
+    turn = Rotation(motion.axis, motion.point, **{motion.unit: motion.angle})
+    length = rational_sqrt(dot(motion.axis, motion.axis))
+    if isinstance(motion, Rotation):
+        return Moving(body.body, turn), fmpq(0)
+    return None if length is None else (Moving(body.body, turn), motion.advance / length * dot(motion.axis, normal))
+
+
+def in_longer_span(found: ContactIntervals, asked: Query, query: Query) -> ContactIntervals:
+    """The answer to a query whose bodies are apart at all times before and after those that were asked about."""
+    later = found.status is Status.INITIAL_CONTACT and asked.first > query.first
+    return replace(
+        found, intervals=tuple(_between(x, below(asked.first), above(asked.end)) for x in found.intervals),
+        status=Status.CONTACT if later else found.status,
+        free_until=query.span[1] if found.status is Status.FREE else found.free_until, **query.shared,
+    )  # fmt: skip
+
+
+def _between(x: ContactInterval, first: float, last: float) -> ContactInterval:
+    """Without times before and after in the enclosures of its ends."""
+    start, end = ((max(lo, first), min(hi, last)) for lo, hi in (x.start_interval, x.end_interval))
+    return replace(x, start_interval=start, end_interval=end)
