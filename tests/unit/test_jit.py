@@ -16,6 +16,7 @@ from numba.core.dispatcher import Dispatcher
 import firstcontact
 from firstcontact import query
 from firstcontact.kernels import cache, notices
+from firstcontact.kernels.thrift import effort
 from firstcontact.search.trees import translate, walk
 from firstcontact.search.trees.frame import twice_area_vectors
 
@@ -91,6 +92,7 @@ SHIPPED = """
 import sys
 from pathlib import Path
 from firstcontact.kernels import cache, notices
+from firstcontact.kernels.thrift import effort
 from firstcontact.search.trees import translate, walk
 from firstcontact.search.trees.frame import twice_area_vectors
 cache.SHIPPED, cache._ALL_SHIPPED = Path(sys.argv[1]), Path(sys.argv[1]).parent
@@ -366,3 +368,13 @@ def test_thrifty_compiling_makes_the_same_code(tmp_path):
 
     assert told("thrifty") == told("plain")
     assert told("thrifty").splitlines()[1] == "negative 0"  # what one process kept serves another
+
+
+def test_walks_that_llvm_tries_its_hardest_at_are_there():
+    """Their code is found by how Numba begins its name."""
+    for module in effort.WALKS:
+        importlib.import_module(f"firstcontact.{module}")
+    box = firstcontact.examples.box((1, 1, 1))
+    query.first_contact(box.translated((0, 0, 3)).moving(firstcontact.Translation((0, 0, -3))), box)
+    names = [done.fndesc.llvm_cpython_wrapper_name for done in walk.walk.overloads.values()]
+    assert names and all(name.startswith(effort.HARD) for name in names)

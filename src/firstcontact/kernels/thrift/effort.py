@@ -19,7 +19,7 @@ WALKS = "search.trees.walk", "search.trees.windows", "search.trees.curve", "tool
 LESS = 1
 
 # How Numba begins the name of what Python enters: the lengths of words before them.
-_HARD = tuple(
+HARD = tuple(
     "".join(["_ZN7cpython12firstcontact", *(f"{len(word)}{word}" for word in module.split("."))]) for module in WALKS
 )
 _finalize: Any = JITCodeLibrary._finalize_specific
@@ -31,7 +31,7 @@ def apply() -> None:
 
 
 def _is_walk(library: CPUCodeLibrary) -> bool:
-    return any(function.name.startswith(_HARD) for function in library._final_module.functions)
+    return any(function.name.startswith(HARD) for function in library._final_module.functions)
 
 
 def _optimize(library: CPUCodeLibrary) -> None:
