@@ -36,11 +36,12 @@ def rims(
     unit = body.forms / np.linalg.norm(body.forms, axis=(1, 2), keepdims=True)
     of = np.array(list(combinations(range(count), 2)))
     of = of[of[:, 0] < count - walls]
+    room = ON * max(np.abs(lo).max(), np.abs(hi).max())  # points of walls are on them but for rounding
     for centre, passing in _cells(body, lo, hi):
         cell, which = np.nonzero(passing[:, of[:, 0]] & passing[:, of[:, 1]])
         pairs = of[which]
         points = pulled(unit[pairs], centre[cell], STEPS)
-        kept = ((lo <= points) & (points <= hi)).all(axis=1)  # of the next cell or not: it is one of the body
+        kept = ((lo - room <= points) & (points <= hi + room)).all(axis=1)  # of the next cell or not: it is one of the body
         pairs, points = pairs[kept], points[kept]
         kept = np.concatenate([_bounds(body, points[part], walls) for part in parts(len(points), count)])
         pairs, points = pairs[kept], points[kept]
