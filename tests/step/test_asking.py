@@ -71,4 +71,4 @@ def test_points_on_faces_are_told():
     shape = SHAPES["hollow"]()
     asking = Asking(Solid(shape, Shape(shape, "hollow")))
     for point, there in (((1.4, 1.5, 2.6), True), ((1.4, 1.5, 2.7), False), ((3.0, 1.0, 1.0), True), ((3, 3, 3), True)):
-        assert asking.is_on_faces(point, 1e-6) is there
+        assert (asking.off_faces(point, 1e-6) == 0.0) is there

@@ -15,7 +15,7 @@ from OCP.TopAbs import TopAbs_State  # noqa: E402
 import firstcontact as fc  # noqa: E402
 import step_shapes as shapes  # noqa: E402
 from firstcontact.search.convex import advance  # noqa: E402
-from firstcontact.step import bodies, rough  # noqa: E402
+from firstcontact.step import bodies, cells, rough  # noqa: E402
 from firstcontact.step.reader import Shape  # noqa: E402
 from firstcontact.step.solids import Solid  # noqa: E402
 
@@ -54,6 +54,16 @@ def slotted():
     """A wall of a thousandth between a slot and the side."""
     made = shapes.cut(shapes.box((4, 3, 2)), shapes.box((3, 1, 3), (0.5, 1.999, -0.5)))
     return shapes.cut(made, shapes.cylinder(0.4, 9, (2, 0.7, -1)))
+
+
+X, Y, RADIUS = 14.477695689966, 7.517109605062, 2.5
+
+
+def slot():
+    """With ends whose cylinders are tangent to its sides but for rounding."""
+    made = shapes.cut(shapes.box((30, 12, 3)), shapes.cylinder(RADIUS, 5, (X, Y, -1)))
+    made = shapes.cut(made, shapes.cylinder(RADIUS, 5, (X + 3, Y, -1)))
+    return shapes.cut(made, shapes.box((3, 2 * RADIUS, 5), (X, Y - RADIUS, -1)))
 
 
 SHAPES = {
@@ -198,19 +208,21 @@ def test_what_points_do_not_see_is_found_by_its_edges(monkeypatch):
 def test_a_sliver_of_a_cell_beside_a_tangent_is_not_taken_for_the_solid():
     """A wall between cells leaves a tenth of a slot's side, along which no point was asked; the edge of what was added
     lay in that wall, to within rounding, and was left out."""
-    x, y, r = 14.477695689966, 7.517109605062, 2.5
-    made = shapes.box((30, 12, 3))
-    for tool in (shapes.cylinder(r, 5, (x, y, -1)), shapes.cylinder(r, 5, (x + 3, y, -1)),
-                 shapes.box((3, 2 * r, 5), (x, y - r, -1))):  # fmt: skip
-        made = shapes.cut(made, tool)
-    part = fc.from_shape(made, name="slot", surfaces=True)
+    part = fc.from_shape(slot(), name="slot", surfaces=True)
     rng = np.random.default_rng(2)
     along = rng.uniform(0.01, 0.3, 200)
-    height = (r - np.sqrt(r * r - along * along)) * rng.uniform(0.05, 0.95, 200)
-    points = np.array([x + along, y - r + height, rng.uniform(0.1, 2.9, 200)]).T
-    assert not part.contains(points).any()
-    grain = fc.box((2e-4, 2e-4, 2e-4)).translated((x + 0.09, y - r + 8e-4, 1.5)).moving(fc.Translation((0, -1e-3, 0)))
-    assert fc.first_contact(grain, part).time == pytest.approx(0.7, abs=1e-9)
+    height = (RADIUS - np.sqrt(RADIUS**2 - along**2)) * rng.uniform(0.05, 0.95, 200)
+    assert not part.contains(np.array([X + along, Y - RADIUS + height, rng.uniform(0.1, 2.9, 200)]).T).any()
+    grain = fc.box((2e-4, 2e-4, 2e-4)).translated((X + 0.09, Y - RADIUS + 8e-4, 1.5))
+    assert fc.first_contact(grain.moving(fc.Translation((0, -1e-3, 0))), part).time == pytest.approx(0.7, abs=1e-9)
+
+
+def test_a_sliver_too_thin_to_be_cut_away_counts_as_deviation(monkeypatch):
+    """The same one, where what is as thin as that is left."""
+    monkeypatch.setattr(cells, "SURELY", 1e-3)
+    part = fc.from_shape(slot(), name="slot", surfaces=True)
+    depth = RADIUS - np.sqrt(RADIUS**2 - (14.576171875 - X) ** 2)  # at the wall
+    assert part.deviation == pytest.approx(depth, rel=1e-6) and part.contains([[14.57, Y - RADIUS + 1e-3, 1.5]]).all()
 
 
 def test_solids_far_from_the_origin_are_whole():

@@ -113,19 +113,20 @@ class Asking:
 
         return bool(self._state(point, TOLERANCE) == TopAbs_State.TopAbs_IN)
 
-    def is_on_faces(self, point: Sequence[float], near: float) -> bool:
-        """Whether a point is within that distance of the faces."""
+    def off_faces(self, point: Sequence[float], surely: float) -> float:
+        """How far a point is from the faces; 0 within the distance `surely`."""
         from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
         from OCP.BRepExtrema import BRepExtrema_DistShapeShape
         from OCP.gp import gp_Pnt
         from OCP.TopAbs import TopAbs_ShapeEnum, TopAbs_State
 
-        if self._state(point, near) == TopAbs_State.TopAbs_ON:
-            return True
+        if self._state(point, surely) == TopAbs_State.TopAbs_ON:
+            return 0.0
         # on seams it does not tell
         vertex = BRepBuilderAPI_MakeVertex(gp_Pnt(*point)).Vertex()
         shells = explored(self.solid.shape, TopAbs_ShapeEnum.TopAbs_SHELL)
-        return any(BRepExtrema_DistShapeShape(vertex, shell).Value() <= near for shell in shells)
+        off: float = min(BRepExtrema_DistShapeShape(vertex, shell).Value() for shell in shells)
+        return 0.0 if off <= surely else off
 
 
 def _box(face: TopoDS_Face) -> list[list[float]]:

@@ -44,8 +44,8 @@ FEW, MOST, DEEPEST = 6, 26, 9
 """Surfaces in a cell: what is asked for, and what is taken where halving does not help; how often cells are halved."""
 SHARES, MIDDLE = np.array([0.5, 0.4375, 0.5625, 0.375, 0.625]), 0.26
 """Of a cell: where a wall may halve it, beside the places between faces; and how far from the middle at most."""
-SURELY = 1e-6
-"""Of the solid's size: how far a point is from a surface whose side counts."""
+SURELY, CLOSELY = 1e-6, 1e-9
+"""Of the solid's size: how far a point is from a surface whose side counts; and what an edge is off by rounding."""
 OFF = 2e-4
 """Of the solid's size: how far from a face the points are of which one is inside and one outside."""
 RANDOM = 24
@@ -157,7 +157,7 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
     boxes = list(_boxes(problem, _even(lo - room, solid.size), _even(hi + room, solid.size), 0))
     solved: list[Cell | None] = [None] * len(boxes)
     todo = list(range(len(boxes)))
-    doubtful = set(todo)
+    doubtful, near = set(todo), dict.fromkeys(todo, 0.0)
     for _ in range(ROUNDS):
         for k in todo:
             solved[k] = _solved(problem, *boxes[k])
@@ -167,10 +167,10 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
         wrong = contains(cells, points) != inside
         points, inside = points[wrong], inside[wrong]
         if not wrong.any():
-            found = _strays(problem, {k: cell for k in sorted(doubtful) if (cell := solved[k]) is not None}, off)
+            found = _strays(problem, {k: cell for k in sorted(doubtful) if (cell := solved[k]) is not None}, off, near)
             doubtful = {k for k, strays in found.items() if len(strays)}
             if not doubtful:
-                return cells, off, problem.cut
+                return cells, max(off, *near.values()), problem.cut
             points = np.concatenate([found[k] for k in sorted(doubtful)])
             points, inside = _around(problem, points)
         problem.labelled = np.concatenate([problem.labelled, points])
@@ -179,12 +179,16 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
     raise NotExact(f"near {points[0].round(4).tolist()} its pieces are not as OpenCASCADE has them")
 
 
-def _strays(problem: _Problem, cells: dict[int, Cell], off: float) -> dict[int, np.ndarray]:
+def _strays(
+    problem: _Problem, cells: dict[int, Cell], off: float, near: dict[int, float]
+) -> dict[int, np.ndarray]:
     """Of each cell (n, 3) points of its edges and vertices, not in walls alone, that are not on the file's faces.
 
-    What is added to the solid, or lost, has such edges, however narrow it is, unless all of them are the file's.
+    What is added to the solid, or lost, has such edges, however narrow it is, unless all of them are the file's.  Too
+    thin to be cut away it stays; near: told for each cell, how far such edges are from the faces.
     """
-    near = 2.0 * off + SURELY * problem.solid.size
+    thin, surely = 2.0 * off + SURELY * problem.solid.size, 2.0 * off + CLOSELY * problem.solid.size
+    near.update(dict.fromkeys(cells, 0.0))
     points, group, groups, owner = [np.empty((0, 3))], [np.empty(0, int)], list[tuple[int, ...]](), list[int]()
     for k, cell in cells.items():
         for pairs, here in rims(cell.body, *cell.box, 6):
@@ -196,8 +200,12 @@ def _strays(problem: _Problem, cells: dict[int, Cell], off: float) -> dict[int, 
     all_, of = np.concatenate(points), np.concatenate(group)
     found: dict[int, list[list[float]]] = {k: [] for k in cells}
     for n in np.flatnonzero(problem.trims.outside(all_, of, groups)).tolist():
-        if not problem.asking.is_on_faces(point := all_[n].tolist(), near):
-            found[owner[of[n]]].append(point)
+        point, k = all_[n].tolist(), owner[of[n]]
+        far = problem.asking.off_faces(point, surely)
+        if far > thin:
+            found[k].append(point)
+        else:
+            near[k] = max(near[k], far)
     return {k: np.array(own).reshape(-1, 3) for k, own in found.items()}
 
 

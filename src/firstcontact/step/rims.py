@@ -41,7 +41,7 @@ def rims(
         cell, which = np.nonzero(passing[:, of[:, 0]] & passing[:, of[:, 1]])
         pairs = of[which]
         points = pulled(unit[pairs], centre[cell], STEPS)
-        kept = ((lo - room <= points) & (points <= hi + room)).all(axis=1)  # of the next cell or not: it is one of the body
+        kept = ((lo - room <= points) & (points <= hi + room)).all(axis=1)  # of the next cell or not: it is the body's
         pairs, points = pairs[kept], points[kept]
         kept = np.concatenate([_bounds(body, points[part], walls) for part in parts(len(points), count)])
         pairs, points = pairs[kept], points[kept]
