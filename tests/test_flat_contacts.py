@@ -177,6 +177,7 @@ def test_a_lying_drum_rests_on_a_round_plate():
 
 def test_a_proved_contact_overrules_a_later_one(monkeypatch):
     monkeypatch.setattr(certified, "_flat_set", lambda *_: None)
+    monkeypatch.setattr(verbs, "contact_then", lambda *_: (None, None))
     late = fc.FirstContact(fc.Status.CONTACT, 0.75, (0.75, 0.75), free_until=0.75)
     monkeypatch.setattr(verbs, "_decided", lambda *_: late)
     hit = fc.first_contact(BOX.moving(fc.Translation((0.3, 0.4, 6.0))), BOX.translated((0.5, 0.1, 4)))

@@ -494,19 +494,24 @@ def _held(
     bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point, near: float
 ) -> tuple[tuple[int, End], tuple[int, End]] | None:
     """The same for bodies of any shape, of the one stretch that both hold: from surface to surface."""
-    on = _on(flats[0]), _on(flats[1])
-    breaks = sorted(
-        (s, side, k)
-        for side, (body, flat) in enumerate(zip(bodies, flats, strict=True))
-        for k, form in enumerate(body.forms) if k not in on[side] and k not in _one_sided(body.model, flat.feature)
-        for s, _ in _roots(form, body.local(where), body.back(d))
-    )  # fmt: skip
+    breaks: list[tuple[float, int, int]] = []
+    begin, end = -math.inf, math.inf  # of what the convex ones hold, whose other breaks do not matter
+    for side, (body, flat) in enumerate(zip(bodies, flats, strict=True)):
+        if body.shape.pieces:
+            held = body.stretch(where, d, flat.feature, near)
+            if held is None:
+                return None
+            begin, end = max(begin, held[0][0]), min(end, held[1][0])
+            breaks += [(s, side, k) for s, k in held]
+        else:
+            breaks += _breaks(body, flat, where, d, side)
+    breaks.sort()
     shared: list[tuple[tuple[float, int, int], tuple[float, int, int]]] = []
     for lo, hi in zip(breaks, breaks[1:], strict=False):
-        if hi[0] - lo[0] <= near:
+        if hi[0] - lo[0] <= near or hi[0] <= begin or lo[0] >= end:
             continue
         middle = along(where, 0.5 * (lo[0] + hi[0]), d)
-        if bodies[0].holds(middle, on[0]) and bodies[1].holds(middle, on[1]):
+        if all(x.shape.pieces or x.holds(middle, _on(flat)) for x, flat in zip(bodies, flats, strict=True)):
             if shared and shared[-1][1] is lo:  # a surface that bounds nothing here
                 lo = shared.pop()[0]
             shared.append((lo, hi))
@@ -516,6 +521,14 @@ def _held(
     if any(abs(other[0] - end[0]) <= near for end in (lo, hi) for other in breaks if other is not end):
         return None
     return (lo[1], (lo[0], lo[2])), (hi[1], (hi[0], hi[2]))
+
+
+def _breaks(body: _Body, flat: Flat, where: Point, d: Point, side: int) -> list[tuple[float, int, int]]:
+    """Where a line in the flat passes surfaces of the body, with the side and their numbers."""
+    p, way, feature = body.local(where), body.back(d), flat.feature
+    left_out = _one_sided(body.model, feature).union(feature.surfaces)
+    forms = [(k, form) for k, form in enumerate(body.forms) if k not in left_out]
+    return [(s, side, k) for k, form in forms for s, _ in _roots(form, p, way)]
 
 
 def _one_sided(model: CompositeQuadric, feature: Feature) -> frozenset[int]:
