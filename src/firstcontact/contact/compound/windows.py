@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -32,6 +33,7 @@ MOST_LATE = 2**20
 Boxes = tuple[np.ndarray, np.ndarray]
 Spans = Sequence[tuple[float, float]]
 _BOXES = Kept[Boxes]()
+_REACH = Kept[float]()
 
 
 @dataclass(frozen=True)
@@ -111,12 +113,12 @@ class Window:
 
 def windows(a: Side, b: Side, query: Query) -> list[Window]:
     """All of them, in order of time."""
+    shift = _shift_of(a, b, query)
+    if shift is not None:
+        return sorted(_while_boxes_meet(a, b, query, shift))
     whole = [(below(query.first), np.inf if query.last is None else above(query.last))]
     all_a, all_b = np.arange(len(a.bodies)), np.arange(len(b.bodies))
     pairs = overlapping(a.boxes(all_a, whole), b.boxes(all_b, whole))
-    shift = _shift_of(a, b, query)
-    if shift is not None:
-        return sorted(_while_boxes_meet(a, b, query, pairs, shift))
     if len(pairs) <= FEW or query.last is None or query.last <= query.first:
         return [Window(query.first, query.last, i, j) for i, j in pairs.tolist()]
     return sorted(_runs(a, b, query, pairs))
@@ -132,8 +134,13 @@ def _shift_of(a: Side, b: Side, query: Query) -> np.ndarray | None:
     if not (span > 0 and max(abs(query.first), abs(query.last)) <= MOST_LATE * span):
         return None
     shift = np.array([to_double(x - y) for x, y in zip(*vectors, strict=True)])
-    sizes = [np.abs(x).max(initial=0.0) for side in (a, b) for x in _boxes_of(shape_of(side.body))]
-    return shift if np.isfinite([*sizes, *shift]).all() else None
+    finite = all(math.isfinite(_reach_of(shape_of(side.body))) for side in (a, b))
+    return shift if finite and np.isfinite(shift).all() else None
+
+
+def _reach_of(shape: Shape) -> float:
+    """The largest coordinate of the boxes around the pieces; kept on the body."""
+    return _REACH.of(shape, lambda: max(float(np.abs(x).max(initial=0.0)) for x in _boxes_of(shape)))
 
 
 def _vector(body: Body) -> tuple[fmpq, ...] | None:
@@ -144,25 +151,28 @@ def _vector(body: Body) -> tuple[fmpq, ...] | None:
     return tuple(body.motion.vector) if isinstance(body.motion, Translation) else None
 
 
-def _while_boxes_meet(a: Side, b: Side, query: Query, pairs: np.ndarray, shift: np.ndarray) -> Iterator[Window]:
+def _while_boxes_meet(a: Side, b: Side, query: Query, shift: np.ndarray) -> Iterator[Window]:
     """The time in which the boxes of each pair overlap, with some room: they are free when it begins.
 
     Room is a whole step of the grid of times, which is far beyond what rounding does to these.
     """
     (lo_a, hi_a), (lo_b, hi_b) = _boxes_of(shape_of(a.body)), _boxes_of(shape_of(b.body))
-    pad = ROUNDING * max(float(np.abs(x).max(initial=0.0)) for x in (lo_a, hi_a, lo_b, hi_b))
-    i, j = pairs[:, 0], pairs[:, 1]
-    moves = shift != 0.0  # along the other axes the boxes overlap all the time
-    ends = np.array([lo_b[j] - hi_a[i] - pad, hi_b[j] - lo_a[i] + pad])[:, :, moves] / shift[moves]
-    enter = ends.min(axis=0).max(axis=1, initial=-np.inf)
-    leave = ends.max(axis=0).min(axis=1, initial=np.inf)
+    pad = ROUNDING * max(_reach_of(shape_of(side.body)) for side in (a, b))
+    least, most = lo_b - hi_a[:, None] - pad, hi_b - lo_a[:, None] + pad  # shifts with which they overlap
+    moves = shift != 0.0
+    still = ~moves
+    with np.errstate(over="ignore"):  # of what hardly moves
+        ends = np.array([least[..., moves], most[..., moves]]) / shift[moves]
+    enter = ends.min(axis=0).max(axis=2, initial=-np.inf)
+    leave = ends.max(axis=0).min(axis=2, initial=np.inf)
     first, span = query.first, query.end - query.first
     begin, step = to_double(first), to_double(span / STEPS)
     starts = np.clip(np.floor((enter - begin) / step) - 1.0, 0.0, STEPS)
     stops = np.clip(np.ceil((leave - begin) / step) + 1.0, 0.0, STEPS)
-    for k in np.flatnonzero((enter <= leave) & (starts < stops)).tolist():
-        start, stop = (first + span * fmpq(int(x[k]), STEPS) for x in (starts, stops))
-        yield Window(start, stop, *pairs[k].tolist())
+    meet = (enter <= leave) & (starts < stops) & ((least <= 0.0) & (most >= 0.0))[..., still].all(axis=2)
+    for i, j in np.argwhere(meet).tolist():
+        start, stop = (first + span * fmpq(int(x[i, j]), STEPS) for x in (starts, stops))
+        yield Window(start, stop, i, j)
 
 
 def _runs(a: Side, b: Side, query: Query, pairs: np.ndarray) -> Iterator[Window]:
