@@ -36,7 +36,7 @@ from firstcontact.step.text import checked
 from step_scenes import assembly_scene, many_bodies
 
 POINTS, CLOSE, MOST_STEPS, ROUNDING = 100_000, 1e-6, 200, 1e-7
-SIDES, JUST = 9, 1e-6
+SIDES, JUST = 25, 1e-6
 LOAD_BAR, RATIO_BAR, SCENE_BAR, MANY_BAR, SCREEN = 5.0, 20.0, 10.0, 5.0, 50
 LOAD = "import sys, firstcontact as fc; fc.load_step(sys.argv[1], surfaces=sys.argv[2] == '1').body"
 TOPOLOGY = {"face": "ADVANCED_FACE", "edge": "EDGE_CURVE", "vertex": "VERTEX_POINT"}
@@ -205,7 +205,9 @@ def table(head: list[str], rows: list[list[str]]) -> str:
     return "\n".join("| " + " | ".join(row) + " |" for row in lines)
 
 
-def measured(path: Path, rng: np.random.Generator) -> Part:
+def measured(path: Path) -> Part:
+    """Points and directions are drawn for each part from a seed of its own, whatever else is measured."""
+    rng = np.random.default_rng(list(path.stem.encode()))
     meshed, own = (ran(sys.executable, "-c", LOAD, str(path), surfaces)[0] for surfaces in "01")
     part = Part(path, fc.load_step(path, surfaces=True), meshed, own)
     if part.root._shape is not None:
@@ -286,10 +288,9 @@ def main() -> None:
     paths = step_parts.write(folder)
     if len(sys.argv) > 1:
         paths += sorted(x for x in Path(sys.argv[1]).iterdir() if x.suffix.lower() in (".stp", ".step"))
-    rng = np.random.default_rng(0)
     parts = []
     for path in paths:
-        part = measured(path, rng)
+        part = measured(path)
         parts.append(part)
         print(path.stem, f"{part.meshed:.1f} {part.own:.1f}", part.kind, part.off, flush=True)
         if part.queries:

@@ -177,6 +177,7 @@ def test_a_lying_drum_rests_on_a_round_plate():
 
 def test_a_proved_contact_overrules_a_later_one(monkeypatch):
     monkeypatch.setattr(certified, "_flat_set", lambda *_: None)
+    monkeypatch.setattr(verbs, "contact_then", lambda *_: (None, None))
     late = fc.FirstContact(fc.Status.CONTACT, 0.75, (0.75, 0.75), free_until=0.75)
     monkeypatch.setattr(verbs, "_decided", lambda *_: late)
     hit = fc.first_contact(BOX.moving(fc.Translation((0.3, 0.4, 6.0))), BOX.translated((0.5, 0.1, 4)))
@@ -398,3 +399,14 @@ def test_the_pairs_of_a_plug_and_its_seat_are_the_same_whichever_is_named_first(
             pairs = [(hit.element_a, hit.element_b), *((x.element_a, x.element_b) for x in hit.others)]
             told.append({tuple((x.kind, x.index) for x in (pair[::-1] if back else pair)) for pair in pairs})
     assert all(pairs == told[0] and len(pairs) == count for pairs in told)
+
+
+def test_a_drum_lands_away_from_the_smooth_seam_of_a_face():
+    """Seams matter where they are near alone; there algebra tells what is shared."""
+    top = SLOT.rotated((1, 0, 0), degrees=90)  # its upper face joins round ends smoothly
+    drum = fc.cylinder("1/8", 1).translated((0, 0, 3))
+    for x, way in (("1/2", "in doubles"), ("15/16", "exactly, at the contact")):
+        moving = drum.translated((x, 0, 0)).moving(fc.Translation((0, 0, -4)))
+        hit, told = fc.first_contact(moving, top), fc.first_contact(moving, top, exact=True)
+        assert hit.stats.ways[-1].way == way and hit.contact_set == "patch" == told.contact_set
+        assert pairs(hit) == pairs(told) and hit.time == told.time

@@ -6,9 +6,12 @@ import random
 from fractions import Fraction as F
 
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from firstcontact.body.compound.compound import Compound, Piece
+from firstcontact.contact.compound.windows import STEPS, side_of, windows
+from firstcontact.work import Query
 
 SEED = 190
 
@@ -82,3 +85,22 @@ def test_times_of_contact_are_the_union_of_those_of_the_boxes(seed):
     assert len(told) == len(wanted)
     for (lo, hi, end_lo, end_hi), (begin, end) in zip(told, wanted, strict=True):
         assert lo <= begin <= hi and end_lo <= end <= end_hi
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_pieces_that_shift_are_asked_about_while_their_boxes_meet(seed):
+    """With room on both sides, as far as the span goes."""
+    dice = random.Random(SEED + seed)
+    first, second, v = boxes(dice, (0, 0, 0)), boxes(dice, (5, 0, 1)), [dice.randint(-9, 9) for _ in range(3)]
+    a, b = body(first, fc.box), body(second, fc.box)
+    query = Query(a.moving(fc.Translation(v)), b, fmpq(0), fmpq(1))
+    asked = {(w.a, w.b): (F(int(w.first.p), int(w.first.q)), F(int(w.last.p), int(w.last.q)))
+             for w in windows(side_of(query.a), side_of(query.b), query)}  # fmt: skip
+    room = F(1, STEPS)
+    for i, x in enumerate(first):
+        for j, y in enumerate(second):
+            true = window(x, y, v)
+            if true is not None:
+                begin, end = asked[i, j]
+                assert begin <= max(true[0] - room, 0) and end >= min(true[1] + room, 1)
+                assert begin >= true[0] - 4 * room and end <= true[1] + 4 * room

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -24,10 +25,15 @@ if TYPE_CHECKING:
 SLABS = 16
 """Equal parts of the span that are looked at one by one, where more than a few pairs may meet."""
 FEW = 2
+STEPS = 4096
+"""Of the span, at which windows of bodies that only shift begin and end."""
+MOST_LATE = 2**20
+"""Of the span: how far from 0 it may be for times in doubles to be told apart well within such steps."""
 
 Boxes = tuple[np.ndarray, np.ndarray]
 Spans = Sequence[tuple[float, float]]
 _BOXES = Kept[Boxes]()
+_REACH = Kept[float]()
 
 
 @dataclass(frozen=True)
@@ -107,12 +113,66 @@ class Window:
 
 def windows(a: Side, b: Side, query: Query) -> list[Window]:
     """All of them, in order of time."""
+    shift = _shift_of(a, b, query)
+    if shift is not None:
+        return sorted(_while_boxes_meet(a, b, query, shift))
     whole = [(below(query.first), np.inf if query.last is None else above(query.last))]
     all_a, all_b = np.arange(len(a.bodies)), np.arange(len(b.bodies))
     pairs = overlapping(a.boxes(all_a, whole), b.boxes(all_b, whole))
     if len(pairs) <= FEW or query.last is None or query.last <= query.first:
         return [Window(query.first, query.last, i, j) for i, j in pairs.tolist()]
     return sorted(_runs(a, b, query, pairs))
+
+
+def _shift_of(a: Side, b: Side, query: Query) -> np.ndarray | None:
+    """(3,) by which a is shifted in one unit of time as seen from b; None where they do more than shift, are unbounded
+    or the span is a short one far from 0."""
+    vectors = [_vector(side.body) for side in (a, b)]
+    if vectors[0] is None or vectors[1] is None or query.last is None:
+        return None
+    span = query.last - query.first
+    if not (span > 0 and max(abs(query.first), abs(query.last)) <= MOST_LATE * span):
+        return None
+    shift = np.array([to_double(x - y) for x, y in zip(*vectors, strict=True)])
+    finite = all(math.isfinite(_reach_of(shape_of(side.body))) for side in (a, b))
+    return shift if finite and np.isfinite(shift).all() else None
+
+
+def _reach_of(shape: Shape) -> float:
+    """The largest coordinate of the boxes around the pieces; kept on the body."""
+    return _REACH.of(shape, lambda: max(float(np.abs(x).max(initial=0.0)) for x in _boxes_of(shape)))
+
+
+def _vector(body: Body) -> tuple[fmpq, ...] | None:
+    if getattr(shape_of(body), "deforming", False):
+        return None
+    if not isinstance(body, Moving):
+        return (fmpq(0),) * 3
+    return tuple(body.motion.vector) if isinstance(body.motion, Translation) else None
+
+
+def _while_boxes_meet(a: Side, b: Side, query: Query, shift: np.ndarray) -> Iterator[Window]:
+    """The time in which the boxes of each pair overlap, with some room: they are free when it begins.
+
+    Room is a whole step of the grid of times, which is far beyond what rounding does to these.
+    """
+    (lo_a, hi_a), (lo_b, hi_b) = _boxes_of(shape_of(a.body)), _boxes_of(shape_of(b.body))
+    pad = ROUNDING * max(_reach_of(shape_of(side.body)) for side in (a, b))
+    least, most = lo_b - hi_a[:, None] - pad, hi_b - lo_a[:, None] + pad  # shifts with which they overlap
+    moves = shift != 0.0
+    still = ~moves
+    with np.errstate(over="ignore"):  # of what hardly moves
+        ends = np.array([least[..., moves], most[..., moves]]) / shift[moves]
+    enter = ends.min(axis=0).max(axis=2, initial=-np.inf)
+    leave = ends.max(axis=0).min(axis=2, initial=np.inf)
+    first, span = query.first, query.end - query.first
+    begin, step = to_double(first), to_double(span / STEPS)
+    starts = np.clip(np.floor((enter - begin) / step) - 1.0, 0.0, STEPS)
+    stops = np.clip(np.ceil((leave - begin) / step) + 1.0, 0.0, STEPS)
+    meet = (enter <= leave) & (starts < stops) & ((least <= 0.0) & (most >= 0.0))[..., still].all(axis=2)
+    for i, j in np.argwhere(meet).tolist():
+        start, stop = (first + span * fmpq(int(x[i, j]), STEPS) for x in (starts, stops))
+        yield Window(start, stop, i, j)
 
 
 def _runs(a: Side, b: Side, query: Query, pairs: np.ndarray) -> Iterator[Window]:

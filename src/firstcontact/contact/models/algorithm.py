@@ -88,16 +88,11 @@ class Search:
     near: tuple[frozenset[int], frozenset[int]] | None = None
 
     def __post_init__(self) -> None:
-        self.tasks = [task for task in subproblems(self.pair) if self._is_near(task)]
+        self.tasks = list(subproblems(self.pair, self.near))
         for task in self.tasks:
             self.work.step()
             self.candidates += [Candidate(task, root) for root in task.roots()]
         self.candidates.sort(key=cmp_to_key(lambda x, y: x.root.compare(y.root)))
-
-    def _is_near(self, task: Subproblem | SquareSubproblem) -> bool:
-        return self.near is None or all(
-            on.issuperset(x.surfaces) for on, x in zip(self.near, (task.a, task.b), strict=True)
-        )
 
     def verdict(self, candidate: Candidate) -> tuple[list[Meeting], str]:
         """The shared parts of the candidate's contact sets, or why there are none."""

@@ -14,6 +14,7 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.models.advancing import ignoring_advance
 from firstcontact.contact.models.algorithm import Candidate, Meeting, Root, Search, between
 from firstcontact.contact.models.answer import contact_of, listed, world_time
+from firstcontact.contact.models.at_contact import contact_then, surfaces_there
 from firstcontact.contact.models.at_rest import is_containment, overlap_around
 from firstcontact.contact.models.certified import both_bounded, near_models, settle
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
@@ -77,11 +78,34 @@ def first(query: Query) -> FirstContact:
 
     return answered([
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
+        Way("exactly, at the contact", _at_contact, _is_contact),
         Way("exactly", _exactly),
         Way("at the last instant", at_last_instant, is_proved),
         Way("as polyhedra", _as_polyhedra, lambda query, _: seen is None and not query.is_algebraic),
         Way("what doubles proved", as_proved, is_proved),
     ], query)  # fmt: skip
+
+
+def _is_contact(query: Query, proved: Advance | None) -> bool:
+    return proved is not None and proved.status == "contact"
+
+
+def _at_contact(query: Query, proved: Advance) -> FirstContact | Passed:
+    """All that touches at a contact that is proved."""
+    assert proved.time_interval is not None
+    a, b = near_models(_models(query), query.span)
+    work = query.work()
+    work.done = proved.spent
+    try:
+        found, search = contact_then(
+            query.bodies, (shape_of(a), shape_of(b)), proved, surfaces_there((a, b), proved.time_interval),
+            query.shared, work,
+        )  # fmt: skip
+    except Spent:
+        return _undecided(query, proved, "budget")
+    if found is None or search is None:
+        return Passed("algebra does not tell")
+    return _with(found, stats=query.stats(proved.steps, proved.gaps + len(search.tasks), len(search.verdicts)))
 
 
 def _exactly(query: Query, proved: Advance | None) -> FirstContact | Passed:

@@ -48,6 +48,8 @@ MOST_PLANS = 256
 
 UPRIGHT = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
 IN, OUT = 1, 2
+UNCLEAR = -1
+"""Numbers from this one down: parts of a boundary at which more may touch than is told here."""
 
 Feature = Face | Edge | Vertex
 _SHAPE = Kept["_Shape"]()
@@ -494,19 +496,24 @@ def _held(
     bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point, near: float
 ) -> tuple[tuple[int, End], tuple[int, End]] | None:
     """The same for bodies of any shape, of the one stretch that both hold: from surface to surface."""
-    on = _on(flats[0]), _on(flats[1])
-    breaks = sorted(
-        (s, side, k)
-        for side, (body, flat) in enumerate(zip(bodies, flats, strict=True))
-        for k, form in enumerate(body.forms) if k not in on[side] and k not in _one_sided(body.model, flat.feature)
-        for s, _ in _roots(form, body.local(where), body.back(d))
-    )  # fmt: skip
+    breaks: list[tuple[float, int, int]] = []
+    begin, end = -math.inf, math.inf  # of what the convex ones hold, whose other breaks do not matter
+    for side, (body, flat) in enumerate(zip(bodies, flats, strict=True)):
+        if body.shape.pieces:
+            held = body.stretch(where, d, flat.feature, near)
+            if held is None:
+                return None
+            begin, end = max(begin, held[0][0]), min(end, held[1][0])
+            breaks += [(s, side, k) for s, k in held]
+        else:
+            breaks += _breaks(body, flat, where, d, side)
+    breaks.sort()
     shared: list[tuple[tuple[float, int, int], tuple[float, int, int]]] = []
     for lo, hi in zip(breaks, breaks[1:], strict=False):
-        if hi[0] - lo[0] <= near:
+        if hi[0] - lo[0] <= near or hi[0] <= begin or lo[0] >= end:
             continue
         middle = along(where, 0.5 * (lo[0] + hi[0]), d)
-        if bodies[0].holds(middle, on[0]) and bodies[1].holds(middle, on[1]):
+        if all(x.shape.pieces or x.holds(middle, _on(flat)) for x, flat in zip(bodies, flats, strict=True)):
             if shared and shared[-1][1] is lo:  # a surface that bounds nothing here
                 lo = shared.pop()[0]
             shared.append((lo, hi))
@@ -516,6 +523,14 @@ def _held(
     if any(abs(other[0] - end[0]) <= near for end in (lo, hi) for other in breaks if other is not end):
         return None
     return (lo[1], (lo[0], lo[2])), (hi[1], (hi[0], hi[2]))
+
+
+def _breaks(body: _Body, flat: Flat, where: Point, d: Point, side: int) -> list[tuple[float, int, int]]:
+    """Where a line in the flat passes surfaces of the body, with the side and their numbers."""
+    p, way, feature = body.local(where), body.back(d), flat.feature
+    left_out = _one_sided(body.model, feature).union(feature.surfaces)
+    forms = [(k, form) for k, form in enumerate(body.forms) if k not in left_out]
+    return [(s, side, k) for k, form in forms for s, _ in _roots(form, p, way)]
 
 
 def _one_sided(model: CompositeQuadric, feature: Feature) -> frozenset[int]:
@@ -597,6 +612,8 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     assert isinstance(x, Face) and isinstance(y, Face) and isinstance(x.carrier, Plane)
     (a, b), on = bodies, (frozenset(x.surfaces), frozenset(y.surfaces))
     own, others = _outline(a, x), _outline(b, y)
+    if own.is_unclear_near(others) or others.is_unclear_near(own):  # what joins smoothly there may touch as well
+        raise _Unclear
     if own.lines and others.lines:
         pairs = _of_polygons(x, y, own, others)
         points = [p for _, _, p in pairs]
@@ -675,8 +692,9 @@ class _Outline:
     """The boundary of a plane face: corners with their points, straight sides with both ends, round rims.
 
     axes: coordinates that tell its points apart; lines: of a face of a convex model without rims its sides as
-    a u + b v + c, a and b of a unit vector, negative inside.  boxes: around the rims, by their numbers, and around all
-    of it, local: (low, high corner); shift: to the world.
+    a u + b v + c, a and b of a unit vector, negative inside.  boxes: around the rims, by their numbers, around smooth
+    seams and sides in several pieces, by numbers from UNCLEAR down, and around all of it, local: (low, high corner);
+    shift: to the world.
     """
 
     corners: list[tuple[Vertex, Point]]
@@ -692,9 +710,16 @@ class _Outline:
         u, v = p[self.axes[0]], p[self.axes[1]]
         return [a * u + b * v + c for a, b, c in self.lines]
 
+    def is_unclear_near(self, other: _Outline) -> bool:
+        """Whether a part of the boundary that is not described is not clear of the other outline."""
+        return any(not other._is_clear(box, self) for k, box in self.boxes.items() if k is not None and k <= UNCLEAR)
+
     def is_far(self, rim: Edge, other: _Outline) -> bool:
         """Whether a rim of the other outline is clear of this one."""
-        lo, hi = other.boxes[rim.index] + np.subtract(other.shift, self.shift)
+        return self._is_clear(other.boxes[rim.index], other)
+
+    def _is_clear(self, box: np.ndarray, other: _Outline) -> bool:
+        lo, hi = box + np.subtract(other.shift, self.shift)
         low, high = self.boxes[None]
         off = 10.0 * CLEAR * (1.0 + max(np.abs(lo).max(), np.abs(hi).max()))
         return bool(np.any(hi < low - off) or np.any(lo > high + off))
@@ -744,8 +769,9 @@ def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
     sizes = [abs(c) for c in face.carrier.normal[:3]]  # type: ignore[union-attr]
     flat = sizes.index(max(sizes))
     outline, vertices = _Outline([], [], [], ((flat + 1) % 3, (flat + 2) % 3)), model.vertices
-    if any(face.index in seam.faces for seam in model.seams):
-        raise _Unclear
+    for seam in model.seams:
+        if face.index in seam.faces:
+            outline.boxes[UNCLEAR - seam.index] = _box_around_unclear(seam)
     corners: dict[int, tuple[Vertex, Point]] = {}
     for edge in model.edges:
         if surface not in edge.surfaces or edge.convexity == "reentrant":  # nothing touches those alone
@@ -762,13 +788,13 @@ def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
             assert start is not None and end is not None
             outline.sides.append((edge, vertices[start].position, vertices[end].position))
         else:
-            raise _Unclear
+            outline.boxes[UNCLEAR - len(model.seams) - edge.index] = _box_around_unclear(edge)
     outline.corners.extend(corners.values())
-    if not outline.rims and _shape(model).pieces:
+    if not (outline.rims or outline.boxes) and _shape(model).pieces:
         outline.lines = [_side_line(p, q, outline) for _, p, q in outline.sides]
     parts = [*outline.boxes.values(), *(np.array([p, p]) for _, p in outline.corners)]
     low, high = np.full(3, -np.inf), np.full(3, np.inf)
-    if parts:
+    if parts and not any(surface in e.surfaces and e.convexity == "reentrant" for e in model.edges):
         low, high = np.min([lo for lo, _ in parts], axis=0), np.max([hi for _, hi in parts], axis=0)
     outline.boxes[None] = np.array([low, high])
     return outline
@@ -788,6 +814,21 @@ def _box_around(rim: Edge) -> np.ndarray:
     frame = rim.frame[:3] / rim.frame[3, 0]
     reach = np.abs(frame[:, 1:]).sum(axis=1)
     return np.array([frame[:, 0] - reach, frame[:, 0] + reach])
+
+
+def _box_around_unclear(seam: Edge) -> np.ndarray:
+    """Around all of a seam or side."""
+    if isinstance(seam.carrier, QuarticCurve):
+        raise _Unclear
+    if seam.frame.shape[1] == 3:
+        if seam.frame[3, 1:].any():
+            raise _Unclear
+        return _box_around(seam)
+    ends = [x for piece in seam.pieces for x in (piece.lo, piece.hi)]
+    if not np.all(np.isfinite(ends)):
+        raise _Unclear
+    points = seam.points(ends)
+    return np.array([points.min(axis=0), points.max(axis=0)])
 
 
 def _in_pieces(edge: Edge, angles: np.ndarray) -> np.ndarray:

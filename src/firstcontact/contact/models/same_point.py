@@ -14,15 +14,10 @@ import numpy as np
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.contact.models.algorithm import Search
-from firstcontact.contact.models.answer import contact_of
+from firstcontact.contact.models.at_contact import contact_then
 from firstcontact.contact.models.forms import Form, forms_of, gradient, value
-from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.touched import ACROSS, Group, Point, is_parallel
 from firstcontact.contact.ways import Passed, tried
-from firstcontact.exact.numbers import exact_value
-from firstcontact.motion.moving import Moving
-from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.result import FirstContact
 from firstcontact.search.convex.advance import Advance
 from firstcontact.work import Work
@@ -101,24 +96,6 @@ def pairs_at(
     places: tuple[Place, Place], shared: Shared,
 ) -> FirstContact | None:  # fmt: skip
     """The proved contact with all pairs that meet in its point; None where algebra does not take the motions."""
-    assert found.time is not None and found.time_interval is not None
-    lo, hi = found.time_interval
-    near = tuple(frozenset(near_surfaces(model, place[0])) for model, place in zip(models, places, strict=True))
-    a, b = (Moving(m, x.motion) if isinstance(x, Moving) else m for x, m in zip(bodies, models, strict=True))
-    first, last = (exact_value(t) for t in shared["span"])
-
-    def told() -> FirstContact | None:
-        for piece in relative_pieces(a, b, first, last):
-            within = piece.end is not None and piece.start <= exact_value(lo) and exact_value(hi) <= piece.end
-            if not (piece.exact and within):
-                continue
-            search = Search(Pair(*models, piece), Work(), near=near)  # type: ignore[arg-type]
-            meetings = search.first()
-            answer = contact_of(search, meetings, False, shared) if meetings else None
-            if answer is not None and answer.time_interval is not None:
-                start, end = answer.time_interval
-                return answer if start <= hi and lo <= end else None
-        return None
-
-    complete = tried(told)
-    return None if isinstance(complete, Passed) else complete
+    on_a, on_b = (frozenset(near_surfaces(model, place[0])) for model, place in zip(models, places, strict=True))
+    there = tried(lambda: contact_then(bodies, models, found, (on_a, on_b), shared, Work())[0])
+    return None if isinstance(there, Passed) else there

@@ -7,11 +7,11 @@ vertex {A, B, C} against a surface D: A = B = C = D = 0.  Unknowns are the point
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz_poly
@@ -40,6 +40,11 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
 
 Feature = Face | Edge | Vertex
+F = TypeVar("F", Face, Edge, Vertex)
+On = Collection[int] | None
+"""Surfaces of a model: only features on these are looked at; None: all."""
+Near = tuple[Collection[int], Collection[int]]
+"""The same of both."""
 BoxQ = tuple[tuple[fmpq, ...], tuple[fmpq, ...]]
 
 EDGE_SURFACE = "A = B = C = det(grad A, grad B, grad C) = 0"
@@ -217,15 +222,16 @@ class SquareSubproblem:
                 yield zero
 
 
-def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:
+def square_subproblems(pair: Pair, near: Near | None) -> Iterator[SquareSubproblem]:
     """Edges of degree 4 against faces and edges, enclosed vertices against faces."""
     for moving in (True, False):
         view = View(pair, moving)
-        for edge in quartic_edges(view.own):
-            yield from _of_edge(view, edge, quartics_too=moving)
-        for vertex in view.own.vertices:
+        own, other = (None, None) if near is None else near if moving else near[::-1]
+        for edge in features_on(quartic_edges(view.own), own):
+            yield from _of_edge(view, edge, other, quartics_too=moving)
+        for vertex in features_on(view.own.vertices, own):
             if isinstance(vertex.carrier, EnclosedPoint):
-                yield from _of_vertex(view, vertex, vertex.carrier)
+                yield from _of_vertex(view, vertex, vertex.carrier, other)
 
 
 def needs_systems(body: Body) -> bool:
@@ -238,26 +244,33 @@ def quartic_edges(body: CompositeQuadric) -> list[Edge]:
     return [e for e in body.edges if isinstance(e.carrier, QuarticCurve) and e.convexity != "reentrant"]
 
 
-def _of_edge(view: View, edge: Edge, quartics_too: bool) -> Iterator[SquareSubproblem]:
+def features_on(features: Sequence[F], surfaces: On) -> Sequence[F]:
+    """Those that lie on none but these surfaces, all where these are None."""
+    if surfaces is None:
+        return features
+    return [x for x in features if all(k in surfaces for k in x.surfaces)]
+
+
+def _of_edge(view: View, edge: Edge, near: On, quartics_too: bool) -> Iterator[SquareSubproblem]:
     box = _box_of(view.own)
     if box is None:
         raise UnsupportedPair(f"{edge.name}: no bound of its body is known; intersect it with a box")
     first = [view.own_forms[k] for k in edge.surfaces[:2]]
-    for face in view.other.faces:
+    for face in features_on(view.other.faces, near):
         forms = [*first, view.other_forms[face.surfaces[0]]]
         yield _task(view, edge, face, forms, EDGE_SURFACE, box)
-    for other in view.other.edges:
+    for other in features_on(view.other.edges, near):
         if other.convexity == "reentrant" or (isinstance(other.carrier, QuarticCurve) and not quartics_too):
             continue
         forms = [*first, *(view.other_forms[k] for k in _two_surfaces(view.other, other))]
         yield _task(view, edge, other, forms, CROSSING, box)
 
 
-def _of_vertex(view: View, vertex: Vertex, point: EnclosedPoint) -> Iterator[SquareSubproblem]:
+def _of_vertex(view: View, vertex: Vertex, point: EnclosedPoint, near: On) -> Iterator[SquareSubproblem]:
     forms = [view.own_forms[k] for k in _three_surfaces(view.own, vertex)]
     radius = point.radius + fmpq(1, 2**40) * (1 + max(abs(c) for c in point.centre))
     box = tuple(c - radius for c in point.centre[:3]), tuple(c + radius for c in point.centre[:3])
-    for face in view.other.faces:
+    for face in features_on(view.other.faces, near):
         yield _task(view, vertex, face, [*forms, view.other_forms[face.surfaces[0]]], CROSSING, box)
 
 

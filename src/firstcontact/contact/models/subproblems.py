@@ -16,7 +16,7 @@ from flint import fmpz_poly
 from firstcontact.body.solid.carriers import AlgebraicPoint, Conic, Line, Plane, Point, QuarticCurve
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.moving_pair import Pair
-from firstcontact.contact.models.square_subproblems import SquareSubproblem, square_subproblems
+from firstcontact.contact.models.square_subproblems import Near, On, SquareSubproblem, features_on, square_subproblems
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 from firstcontact.exact.polynomials.inertia import rank
 from firstcontact.exact.polynomials.polynomial_matrix import constant
@@ -79,21 +79,22 @@ class _Carrier:
     """A quadric of rank 3: cone or cylinder."""
 
 
-def subproblems(pair: Pair) -> Iterator[Subproblem | SquareSubproblem]:
-    """All of them."""
-    yield from algebraic_subproblems(pair)
-    yield from square_subproblems(pair)
+def subproblems(pair: Pair, near: Near | None = None) -> Iterator[Subproblem | SquareSubproblem]:
+    """All of them; near: of features on these surfaces alone."""
+    yield from algebraic_subproblems(pair, near)
+    yield from square_subproblems(pair, near)
 
 
-def algebraic_subproblems(pair: Pair) -> Iterator[Subproblem]:
+def algebraic_subproblems(pair: Pair, near: Near | None) -> Iterator[Subproblem]:
     """Those with a contact equation: faces, edges and vertices against faces, edges against edges.
 
     Reentrant edges need none (nothing touches one without touching a face beside it), seams neither.  A plane
     touches a cone or cylinder in a ruling, whose end lies on an edge that sees the same time (re-derived).
     """
-    faces_a, faces_b = _faces(pair, True), _faces(pair, False)
-    edges_a, edges_b = _edges(pair, True), _edges(pair, False)
-    corners_a, corners_b = _corners(pair, True), _corners(pair, False)
+    on_a, on_b = (None, None) if near is None else near
+    faces_a, faces_b = _faces(pair, True, on_a), _faces(pair, False, on_b)
+    edges_a, edges_b = _edges(pair, True, on_a), _edges(pair, False, on_b)
+    corners_a, corners_b = _corners(pair, True, on_a), _corners(pair, False, on_b)
     for xs, ys in (
         (faces_a, faces_b), (faces_a, edges_b), (edges_a, faces_b), (faces_a, corners_b), (corners_a, faces_b),
         (edges_a, edges_b),
@@ -143,10 +144,10 @@ SOLVERS: dict[tuple[str, str], tuple[Callable[..., Equation], Callable[..., Cont
 }
 
 
-def _faces(pair: Pair, moving: bool) -> list[_Carrier]:
+def _faces(pair: Pair, moving: bool, on: On) -> list[_Carrier]:
     body, forms = (pair.a, pair.forms_a) if moving else (pair.b, pair.forms_b)
     found = []
-    for face in body.faces:
+    for face in features_on(body.faces, on):
         form = forms[face.surfaces[0]]
         if isinstance(face.carrier, Plane):
             found.append(_Carrier(face, "plane", (form,)))
@@ -155,9 +156,9 @@ def _faces(pair: Pair, moving: bool) -> list[_Carrier]:
     return found
 
 
-def _edges(pair: Pair, moving: bool) -> list[_Carrier]:
+def _edges(pair: Pair, moving: bool, on: On) -> list[_Carrier]:
     found = []
-    for edge in (pair.a if moving else pair.b).edges:
+    for edge in features_on((pair.a if moving else pair.b).edges, on):
         if edge.convexity == "reentrant":
             continue
         if isinstance(edge.carrier, QuarticCurve):
@@ -171,9 +172,9 @@ def _edges(pair: Pair, moving: bool) -> list[_Carrier]:
     return found
 
 
-def _corners(pair: Pair, moving: bool) -> list[_Carrier]:
+def _corners(pair: Pair, moving: bool, on: On) -> list[_Carrier]:
     found = []
-    for vertex in (pair.a if moving else pair.b).vertices:
+    for vertex in features_on((pair.a if moving else pair.b).vertices, on):
         point = vertex.carrier
         if isinstance(point, AlgebraicPoint):
             number = AlgebraicRoot(fmpz_poly([c.p for c in point.polynomial]), point.lo, point.hi)

@@ -9,7 +9,7 @@ import numpy as np
 from flint import arb
 
 from firstcontact.body.solid.carriers import Surface
-from firstcontact.exact.numbers import exact_value, to_double
+from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.relative.curved import CurvedPiece, Series, inverse, terms
 from firstcontact.search.convex.convex import HalfSpaces
 
@@ -45,31 +45,32 @@ class Meeting:
             places, total = self._places(t, x)[0], arb(0)
             for side, number, multiplier, row in active:
                 form = (self.own, self.other)[side][0][number]
-                largest = max(range(10), key=lambda k: abs(row[k]))
-                i, j = ENTRIES[largest]
-                coefficient = arb(form.matrix()[i][j]) * (1 if i == j else 2)
-                total += multiplier * row[largest] / coefficient * form.value(places[side])
+                total += multiplier * _scale(form, row) * form.value(places[side])
             return -float(total.mid()) / rate
 
     def nearer(self, t: float, x: Sequence[float], active: Active) -> np.ndarray:
         """The place of the touch (3,), by a step of Newton's method with exact residuals from what doubles tell."""
-        values, gradients, bends = [], [], []
+        values, gradients, bends, weights = [], [], [], []
         with terms(1, BITS):
             places, back = self._places(t, x)
             turn = np.array([[float(c[0].mid()) for c in row[:3]] for row in back])
-            for side, number, _, _ in active:
+            for side, number, multiplier, row in active:
+                place = places[side]
+                frame = turn if side == 0 else None
+                gradient, bend = _slopes(row, [float(c.mid()) for c in place[:3]])
+                length = float(np.sqrt(gradient @ gradient))
+                if not length > 0.0:  # at the tip of a cone
+                    return np.array(x)
                 form = (self.own, self.other)[side][0][number]
-                frame = turn if side == 0 else np.eye(3)
-                size = max(abs(c) for row in form.matrix() for c in row)  # whole numbers of any length
-                values.append(float((form.value(places[side]) / size).mid()))
-                gradients.append(np.array([float((arb(c) / size).mid()) for c in form.gradient(places[side])]) @ frame)
-                bend = np.array([[2.0 * to_double(c / size) for c in row[:3]] for row in form.matrix()[:3]])
-                bends.append(frame.T @ bend @ frame)
-        lengths = np.linalg.norm(gradients, axis=1)
-        if not np.all(lengths > 0.0):  # at the tip of a cone
+                values.append(float((form.value(place) * _scale(form, row)).mid()) / length)
+                gradients.append((gradient if frame is None else gradient @ frame) / length)
+                bends.append((bend if frame is None else frame.T @ bend @ frame) / length)
+                weights.append(multiplier * length)
+        total = sum(weights)
+        if not total > 0.0:
             return np.array(x)
-        units = np.array(gradients) / lengths[:, None]
-        return np.array(x) + _step(np.array(values) / lengths, units, np.array(bends) / lengths[:, None, None])
+        step = _step(np.array(values), np.array(gradients), np.array(bends), np.array(weights) / total)
+        return np.array(x) + step
 
     def _places(self, t: float, x: Sequence[float]) -> tuple[tuple[list[arb], list[arb]], Series]:
         """The point of b's frame in that of a and in its own, homogeneous, and the map to the first; under `terms`."""
@@ -79,15 +80,28 @@ class Meeting:
         return ([*there, arb(1)], [*here, arb(1)]), back
 
 
-def _step(values: np.ndarray, units: np.ndarray, bends: np.ndarray) -> np.ndarray:
+def _scale(form: Surface, row: list[float]) -> arb:
+    """By what a form is multiplied in the table of its piece."""
+    largest = max(range(10), key=lambda k: abs(row[k]))
+    i, j = ENTRIES[largest]
+    return row[largest] / (arb(form.matrix()[i][j]) * (1 if i == j else 2))
+
+
+def _slopes(row: list[float], p: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Gradient (3,) at a point, and second derivatives (3, 3), of a form as the table of its piece has it."""
+    xx, yy, zz, xy, xz, yz, *linear, _ = row
+    bend = np.array([[2.0 * xx, xy, xz], [xy, 2.0 * yy, yz], [xz, yz, 2.0 * zz]])
+    return bend @ p + linear, bend
+
+
+def _step(values: np.ndarray, units: np.ndarray, bends: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """(3,) towards where all forms are equal and a sum of their gradients, with weights of sum 1, vanishes.
 
-    Values (n,), gradients (n, 3) and second derivatives (n, 3, 3) of forms with gradients of length 1.  Along what is
-    flat the step stays where it is.
+    Values (n,), gradients (n, 3) and second derivatives (n, 3, 3) of forms with gradients of length 1, and weights (n,)
+    near those.  Along what is flat the step stays where it is.
     """
     n = len(values)
-    weights = np.linalg.lstsq(np.vstack([units.T, np.ones(n)]), np.array([0.0, 0.0, 0.0, 1.0]), rcond=None)[0]
-    bend = np.einsum("k,kij->ij", weights, bends)
+    bend = (weights @ bends.reshape(n, 9)).reshape(3, 3)
     unit = 1.0 / (float(np.abs(bend).max()) or 1.0)
     system, right = np.zeros((n + 4, n + 4)), np.zeros(n + 4)
     system[:n, :3], system[:n, 3], right[:n] = units, -1.0, -values / unit
