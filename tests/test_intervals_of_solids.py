@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction as F
+
 import numpy as np
 import pytest
 
@@ -76,3 +78,13 @@ def test_what_candidates_leave_open_is_asked_between_them(monkeypatch):
     ball = fc.sphere(1).translated((-5, 0, 0)).moving(fc.Translation((10, 0, 0)))
     (only,) = fc.contact_intervals(ball, fc.box((2, 2, 2)), exact=True)
     assert (only.start, only.end) == (0.3, 0.7)
+
+
+def test_solids_whose_common_part_is_too_thin_to_be_traced_are_left_undecided():
+    """A ball a billionth smaller than the hole that it comes through, against its wall: it ended in an error."""
+    plate = fc.box((192, 192, 384)) - fc.cylinder(24, 960)
+    way = fc.Translation((F(1152, 13000000013), F(480, 13000000013), -48))
+    ball = fc.sphere(F(24000000000, 1000000001)).translated((0, 0, 60)).moving(way)
+    found = fc.contact_intervals(plate, ball)
+    assert found.status is fc.Status.UNDECIDED or found.intervals[0].start_interval[0] <= 0.25
+    assert fc.first_contact(plate, ball).time == 0.25

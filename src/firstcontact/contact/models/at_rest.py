@@ -15,8 +15,9 @@ from firstcontact.body.solid.csg import And, Leaf, Not, Tree, inside, pattern
 from firstcontact.body.solid.features import Face
 from firstcontact.body.solid.neighbourhood import patterns
 from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.number_field import ball
-from firstcontact.exact.numbers import dyadic, precision, sign, simplest, to_double
+from firstcontact.exact.numbers import Undecidable, dyadic, precision, sign, simplest, to_double
 from firstcontact.exact.rigid import Matrix, apply, inverse_map
 from firstcontact.exact.vectors import cross
 from firstcontact.search.convex.relation import Relation
@@ -212,8 +213,10 @@ def _whole_surfaces(model: CompositeQuadric) -> set[Vector]:
 
 
 def _solid(combination: Callable[[], CompositeQuadric]) -> CompositeQuadric | None:
-    """The combination; None where it has no interior points."""
+    """The combination; None where it has no interior points.  UnsupportedPair where its edges are too near to tell."""
     try:
         return combination()
     except NoSolid:
         return None
+    except Undecidable as error:
+        raise UnsupportedPair("precision: what the bodies share at rest is not told") from error
