@@ -1,11 +1,13 @@
-"""Bodies that turn about one direction, or shift, and advance along it at constant speed: when their heights meet.
+"""Bodies that turn about one direction, or shift, and advance along it at constant speed meanwhile.
 
-Bodies that are the same at all heights share points exactly while these meet and the bodies do as they would without
-the advance.
+Bodies that are the same at all heights share points exactly while these meet, which is a span of time, and the bodies
+do as they would without the advance.  So the same question of a tall one, without the advance and about that span
+alone, has the same answer; and times of turns are exact where those of screws are not.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -29,22 +31,42 @@ class Apart(NamedTuple):
     """That the heights of two bodies do not meet."""
 
 
-def axis_of_screw(query: Query) -> Vector | None:
+class Upright(NamedTuple):
+    """Of a body that is the same at all heights from low to high; between: what it is from one height to another."""
+
+    low: fmpq
+    high: fmpq
+    between: Callable[[fmpq, fmpq], Body]
+
+
+def _axis_of_screw(query: Query) -> Vector | None:
     """Of the first body that is on one; None where none is, or the span has no end."""
     motions = [body.motion for body in query.bodies if isinstance(body, Moving)]
     return next((x.axis for x in motions if isinstance(x, Screw)), None) if query.last is not None else None
 
 
-def while_heights_meet(
-    query: Query, of_a: tuple[fmpq, fmpq], of_b: tuple[fmpq, fmpq], rise: fmpq
-) -> tuple[fmpq, fmpq] | Apart:
-    """The first and the last time of the span at which they do; rise: how fast those of a grow beside those of b."""
-    meet = sorted(((of_b[0] - of_a[1]) / rise, (of_b[1] - of_a[0]) / rise))
+def without_advance(query: Query, upright: Callable[[Body, Vector], Upright | None]) -> Query | Apart | None:
+    """The same question about the times, of bodies that keep their heights; None where it is not of that kind."""
+    normal = _axis_of_screw(query)
+    if normal is None:
+        return None
+    level_a, level_b = _level(query.a, normal), _level(query.b, normal)
+    if level_a is None or level_b is None or level_a[1] == level_b[1]:
+        return None
+    (a, rise_a), (b, rise_b) = level_a, level_b
+    tall, other = upright(a, normal), upright(b, normal)
+    if tall is None or other is None:
+        return None
+    rise = rise_a - rise_b
+    meet = sorted(((other.low - tall.high) / rise, (other.high - tall.low) / rise))
     first, last = max(meet[0], query.first), min(meet[1], query.end)
-    return Apart() if first > last else (first, last)
+    if first > last:
+        return Apart()
+    room = 1 + other.high - other.low
+    return replace(query, a=tall.between(other.low - room, other.high + room), b=b, first=first, last=last)
 
 
-def level(body: Body, normal: Vector) -> tuple[Body, fmpq] | None:
+def _level(body: Body, normal: Vector) -> tuple[Body, fmpq] | None:
     """The body without its advance along the normal, and how fast its heights grow; None for other motions."""
     if not isinstance(body, Moving):
         return body, fmpq(0)

@@ -14,6 +14,7 @@ import numpy as np
 
 from firstcontact.body.kept import Kept
 from firstcontact.contact.carried import carried
+from firstcontact.contact.ways import R
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.rigid import to_origin
 from firstcontact.exact.vectors import Vector
@@ -38,8 +39,7 @@ _COPIES = Kept[dict[tuple[Vector, str | None], Any]]()
 
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
     """What `answer` tells of the query."""
-    found = first_anew(answer, query, FAR)
-    return answer(query) if found is None else found
+    return _near(first_anew, answer, query)
 
 
 def first_anew(
@@ -56,8 +56,7 @@ def first_anew(
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
     """What `answer` tells of the query."""
-    found = intervals_anew(answer, query, FAR)
-    return answer(query) if found is None else found
+    return _near(intervals_anew, answer, query)
 
 
 def intervals_anew(
@@ -66,6 +65,14 @@ def intervals_anew(
     """As `first_anew`."""
     by = _shift(query, far)
     return None if by is None else replace(answer(_shifted(query, by)), a=query.a, b=query.b)
+
+
+def _near(
+    anew: Callable[[Callable[[Query], R], Query, float], R | None], answer: Callable[[Query], R], query: Query
+) -> R:
+    """What is told anew of bodies far from the origin, else what `answer` tells."""
+    found = anew(answer, query, FAR)
+    return answer(query) if found is None else found
 
 
 def _shift(query: Query, far: float) -> Vector | None:

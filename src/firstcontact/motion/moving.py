@@ -6,13 +6,16 @@ import itertools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from flint import fmpq
 
 from firstcontact.errors import InputError, shown
+from firstcontact.motion.translation import Translation
 from firstcontact.result import Written
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import AnyBody
     from firstcontact.body.placing import Placing
+    from firstcontact.exact.vectors import Vector
     from firstcontact.motion.kinds import AnyMotion
     from firstcontact.result import Table
 
@@ -98,6 +101,13 @@ class Moving(Written):
 def shape_of(body: AnyBody) -> Any:
     """The body itself, of one that moves or rests."""
     return body.body if isinstance(body, Moving) else body
+
+
+def drift_of(body: AnyBody | Moving) -> Vector | None:
+    """The vector by which a body shifts in a unit of time, zero at rest; None of one that does more."""
+    if not isinstance(body, Moving):
+        return fmpq(0), fmpq(0), fmpq(0)
+    return body.motion.vector if isinstance(body.motion, Translation) else None
 
 
 def _hull(body: Any, span: tuple[float, float]) -> tuple[np.ndarray, float]:

@@ -157,7 +157,7 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
     boxes = list(_boxes(problem, _even(lo - room, solid.size), _even(hi + room, solid.size), 0))
     solved: list[Cell | None] = [None] * len(boxes)
     todo = list(range(len(boxes)))
-    doubtful, near = set(todo), dict.fromkeys(todo, 0.0)
+    doubtful, near = set(todo), dict[int, float]()
     for _ in range(ROUNDS):
         for k in todo:
             solved[k] = _solved(problem, *boxes[k])
@@ -167,10 +167,12 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
         wrong = contains(cells, points) != inside
         points, inside = points[wrong], inside[wrong]
         if not wrong.any():
-            found = _strays(problem, {k: cell for k in sorted(doubtful) if (cell := solved[k]) is not None}, off, near)
+            asked = {k: cell for k in sorted(doubtful) if (cell := solved[k]) is not None}
+            found, thin = _strays(problem, asked, off)
+            near |= thin
             doubtful = {k for k, strays in found.items() if len(strays)}
             if not doubtful:
-                return cells, max(off, *near.values()), problem.cut
+                return cells, max([off, *near.values()]), problem.cut
             points = np.concatenate([found[k] for k in sorted(doubtful)])
             points, inside = _around(problem, points)
         problem.labelled = np.concatenate([problem.labelled, points])
@@ -180,15 +182,16 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
 
 
 def _strays(
-    problem: _Problem, cells: dict[int, Cell], off: float, near: dict[int, float]
-) -> dict[int, np.ndarray]:
-    """Of each cell (n, 3) points of its edges and vertices, not in walls alone, that are not on the file's faces.
+    problem: _Problem, cells: dict[int, Cell], off: float
+) -> tuple[dict[int, np.ndarray], dict[int, float]]:
+    """Of each cell (n, 3) points of its edges and vertices, not in walls alone, that are not on the file's faces; and
+    how far others are from these at most.
 
     What is added to the solid, or lost, has such edges, however narrow it is, unless all of them are the file's.  Too
-    thin to be cut away it stays; near: told for each cell, how far such edges are from the faces.
+    thin to be cut away, it stays.
     """
     thin, surely = 2.0 * off + SURELY * problem.solid.size, 2.0 * off + CLOSELY * problem.solid.size
-    near.update(dict.fromkeys(cells, 0.0))
+    near = dict.fromkeys(cells, 0.0)
     points, group, groups, owner = [np.empty((0, 3))], [np.empty(0, int)], list[tuple[int, ...]](), list[int]()
     for k, cell in cells.items():
         for pairs, here in rims(cell.body, *cell.box, 6):
@@ -206,7 +209,7 @@ def _strays(
             found[k].append(point)
         else:
             near[k] = max(near[k], far)
-    return {k: np.array(own).reshape(-1, 3) for k, own in found.items()}
+    return {k: np.array(own).reshape(-1, 3) for k, own in found.items()}, near
 
 
 def _around(problem: _Problem, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

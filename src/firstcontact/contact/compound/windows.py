@@ -14,13 +14,13 @@ from flint import fmpq
 from firstcontact.body.compound.compound import Compound, Piece
 from firstcontact.body.kept import Kept
 from firstcontact.exact.numbers import above, below, to_double
-from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.moving import Moving, drift_of, shape_of
 from firstcontact.motion.relative.sweep import ROUNDING, swept_box
-from firstcontact.motion.translation import Translation
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body, Shape
+    from firstcontact.exact.vectors import Vector
 
 SLABS = 16
 """Equal parts of the span that are looked at one by one, where more than a few pairs may meet."""
@@ -52,10 +52,10 @@ class Side:
     def boxes(self, numbers: np.ndarray, times: Spans) -> Boxes:
         """Corners (m, n, 3) of boxes that hold these pieces at all times of each of the spans."""
         body, shape = self.body, (len(times), len(numbers), 3)
-        vector = body.motion.vector if isinstance(body, Moving) and isinstance(body.motion, Translation) else None
-        if (vector is not None or not isinstance(body, Moving)) and not getattr(shape_of(body), "deforming", False):
+        vector = _drift_of(body)
+        if vector is not None:
             lo, hi = (x[numbers] for x in _boxes_of(shape_of(body)))
-            if vector is None:
+            if not isinstance(body, Moving):
                 return np.broadcast_to(lo, shape), np.broadcast_to(hi, shape)
             if np.all(np.isfinite(times)) and np.all(np.isfinite(hi - lo)):
                 return _along(np.array([to_double(x) for x in vector]), lo, hi, np.array(times))
@@ -127,7 +127,7 @@ def windows(a: Side, b: Side, query: Query) -> list[Window]:
 def _shift_of(a: Side, b: Side, query: Query) -> np.ndarray | None:
     """(3,) by which a is shifted in one unit of time as seen from b; None where they do more than shift, are unbounded
     or the span is a short one far from 0."""
-    vectors = [_vector(side.body) for side in (a, b)]
+    vectors = [_drift_of(side.body) for side in (a, b)]
     if vectors[0] is None or vectors[1] is None or query.last is None:
         return None
     span = query.last - query.first
@@ -143,12 +143,8 @@ def _reach_of(shape: Shape) -> float:
     return _REACH.of(shape, lambda: max(float(np.abs(x).max(initial=0.0)) for x in _boxes_of(shape)))
 
 
-def _vector(body: Body) -> tuple[fmpq, ...] | None:
-    if getattr(shape_of(body), "deforming", False):
-        return None
-    if not isinstance(body, Moving):
-        return (fmpq(0),) * 3
-    return tuple(body.motion.vector) if isinstance(body.motion, Translation) else None
+def _drift_of(body: Body) -> Vector | None:
+    return None if getattr(shape_of(body), "deforming", False) else drift_of(body)
 
 
 def _while_boxes_meet(a: Side, b: Side, query: Query, shift: np.ndarray) -> Iterator[Window]:

@@ -8,7 +8,6 @@ stretched along the direction.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,7 @@ from flint import fmpq
 
 from firstcontact.body.solid.carriers import Plane
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.contact.advancing import Apart, axis_of_screw, in_longer_span, level, while_heights_meet
+from firstcontact.contact.advancing import Apart, Upright, in_longer_span, without_advance
 from firstcontact.contact.ways import Passed, decided
 from firstcontact.exact.numbers import fraction
 from firstcontact.exact.vectors import Vector, cross, dot
@@ -35,7 +34,7 @@ def ignoring_advance(answer: Callable[[Query], ContactIntervals]) -> Callable[[Q
 
     @wraps(answer)
     def asked(query: Query) -> ContactIntervals:
-        other = without_advance(query)
+        other = without_advance(query, _upright)
         if other is None:
             return answer(query)
         if isinstance(other, Apart):
@@ -46,22 +45,9 @@ def ignoring_advance(answer: Callable[[Query], ContactIntervals]) -> Callable[[Q
     return asked
 
 
-def without_advance(query: Query) -> Query | Apart | None:
-    """The same question about the times, of solids that keep their heights; None where it is not of that kind."""
-    normal = axis_of_screw(query)
-    if normal is None:
-        return None
-    level_a, level_b = level(query.a, normal), level(query.b, normal)
-    of_a, of_b = (_heights(shape_of(body), normal) for body in query.bodies)
-    if level_a is None or level_b is None or level_a[1] == level_b[1] or of_a is None or of_b is None:
-        return None
-    (a, rise_a), (b, rise_b) = level_a, level_b
-    times = while_heights_meet(query, of_a, of_b, rise_a - rise_b)
-    if isinstance(times, Apart):
-        return times
-    room = 1 + of_b[1] - of_b[0]
-    tall = _stretched(a, normal, of_a, (of_b[0] - room, of_b[1] + room))
-    return replace(query, a=tall, b=b, first=times[0], last=times[1])
+def _upright(body: Body, normal: Vector) -> Upright | None:
+    heights = _heights(shape_of(body), normal)
+    return heights and Upright(*heights, lambda least, most: _stretched(body, normal, heights, (least, most)))
 
 
 def _heights(body: object, normal: Vector) -> Heights | None:

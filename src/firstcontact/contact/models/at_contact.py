@@ -12,12 +12,11 @@ import numpy as np
 
 from firstcontact.contact.models.algorithm import Search
 from firstcontact.contact.models.answer import contact_of
-from firstcontact.contact.models.forms import forms_of, value
+from firstcontact.contact.models.forms import forms_of, gradient, value
 from firstcontact.contact.models.moving_pair import Pair
-from firstcontact.exact.numbers import exact_value
-from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.exact.numbers import exact_value, to_double
+from firstcontact.motion.moving import drift_of, shape_of
 from firstcontact.motion.relative.polynomial import relative_pieces
-from firstcontact.motion.translation import Translation
 from firstcontact.result import FirstContact
 from firstcontact.work import Work
 
@@ -32,7 +31,6 @@ ROUNDED = 1e-7
 
 Near = tuple[frozenset[int], frozenset[int]]
 """Surfaces of either model."""
-Box = tuple[np.ndarray, np.ndarray]
 
 
 def contact_then(
@@ -69,24 +67,15 @@ def surfaces_there(bodies: tuple[Body, Body], span: tuple[float, float]) -> Near
     off = ROUNDED * max(float(np.abs(boxes).max(initial=0.0, where=np.isfinite(boxes))), 1e-300)
     found = []
     for body in bodies:
-        shift = _shift(body, span)
-        if shift is None:
+        drift = drift_of(body)
+        if drift is None:
             return None
-        least, most = lo - off - shift[1], hi + off - shift[0]
+        ends = np.outer(span, [to_double(x) for x in drift])
+        least, most = lo - off - ends.max(axis=0), hi + off - ends.min(axis=0)
         if not np.isfinite(most - least).all():
             return None
         found.append(_passing(shape_of(body), least, most))
     return found[0], found[1]
-
-
-def _shift(body: Body, span: tuple[float, float]) -> Box | None:
-    """The least and the largest vector by which the body is shifted over the span."""
-    if not isinstance(body, Moving):
-        return np.zeros(3), np.zeros(3)
-    if not isinstance(body.motion, Translation):
-        return None
-    ends = np.outer(span, [float(x) for x in body.motion.vector])
-    return ends.min(axis=0), ends.max(axis=0)
 
 
 def _passing(model: Any, lo: np.ndarray, hi: np.ndarray) -> frozenset[int]:
@@ -96,12 +85,10 @@ def _passing(model: Any, lo: np.ndarray, hi: np.ndarray) -> frozenset[int]:
     far = [abs(x) + p, abs(y) + q, abs(z) + r]
     found = []
     for k, f in enumerate(forms_of(model)):
-        a, b, c, d, e, g = f[:6]
-        change = (
-            abs(2.0 * a * x + d * y + e * z + f[6]) * p + abs(d * x + 2.0 * b * y + g * z + f[7]) * q
-            + abs(e * x + g * y + 2.0 * c * z + f[8]) * r
-            + abs(a) * p * p + abs(b) * q * q + abs(c) * r * r + abs(d) * p * q + abs(e) * p * r + abs(g) * q * r
-        )  # fmt: skip
+        a, b, c, d, e, g = map(abs, f[:6])
+        slope = gradient(f, x, y, z)
+        change = abs(slope[0]) * p + abs(slope[1]) * q + abs(slope[2]) * r
+        change += a * p * p + b * q * q + c * r * r + d * p * q + e * p * r + g * q * r
         if abs(value(f, x, y, z)[0]) <= change + ROUNDED * value(f, *far)[1]:
             found.append(k)
     return frozenset(found)

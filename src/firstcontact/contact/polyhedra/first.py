@@ -5,8 +5,7 @@ from __future__ import annotations
 import time as clock
 from dataclasses import replace
 
-from firstcontact.contact.advancing import Apart, in_longer_span
-from firstcontact.contact.polyhedra.advancing_prisms import without_advance
+from firstcontact.contact.advancing import Apart, in_longer_span, without_advance
 from firstcontact.contact.polyhedra.answers import (
     JoinedInterval,
     contact_of,
@@ -19,7 +18,7 @@ from firstcontact.contact.polyhedra.answers import (
 from firstcontact.contact.polyhedra.earliest import Found, Pair, all_pairs, earliest
 from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
-from firstcontact.contact.polyhedra.prisms import in_one_plane
+from firstcontact.contact.polyhedra.prisms import in_one_plane, upright
 from firstcontact.contact.polyhedra.problems.problem import far_apart, problem_of, problems_in_order, stretches
 from firstcontact.contact.polyhedra.sharpened import sharpened
 from firstcontact.contact.ways import Passed, Way, answered, decided
@@ -96,7 +95,7 @@ def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
     if not any(isinstance(piece, CurvedPiece) for piece in _pieces(query)):
         return Passed("shifts and turns are exact")
     other = in_one_plane(query)
-    other = without_advance(query) if other is None else other
+    other = without_advance(query, upright) if other is None else other
     if other is None:
         return Passed("they are no prisms that move in one plane, nor is one on the other")
     if isinstance(other, Apart):

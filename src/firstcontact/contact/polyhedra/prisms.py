@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.advancing import Apart
+from firstcontact.contact.advancing import Apart, Upright
 from firstcontact.contact.polyhedra.level_regions import Region, border_of, flat, region_at, turn
 from firstcontact.contact.polyhedra.planar import is_across
 from firstcontact.exact.numbers import fraction
@@ -62,6 +62,16 @@ def in_one_plane(query: Query) -> Query | Apart | None:
         return None
     room = 1 + high - low
     return replace(query, a=along(base, normal, low - room, high + room, query.a))
+
+
+def upright(body: Body, normal: Vector) -> Upright | None:
+    """Of a prism along the normal; None of others."""
+    shape = shape_of(body)
+    heights = heights_of(shape, normal)
+    base = base_of(shape, normal, heights) if heights else None
+    if base is None:
+        return None
+    return Upright(min(heights), max(heights), lambda least, most: along(base, normal, least, most, body))
 
 
 def heights_of(body: Body, normal: Vector) -> list[fmpq]:

@@ -63,10 +63,6 @@ _NATURAL = Kept[tuple[float, Frame | None]]()
 _TREE = Kept[Tree]()
 _VIEW = Kept[tuple[Frame, Tree]]()
 _STRUCTURE = Kept[tuple[Frame | None, Tree]]()
-_NATURAL = Kept[tuple[float, Frame | None]]()
-_TREE = Kept[Tree]()
-_VIEW = Kept[tuple[Frame, Tree]]()
-_STRUCTURE = Kept[tuple[Frame | None, Tree]]()
 
 
 def shared_frame(a: Polyhedron, b: Polyhedron) -> Frame | None:
