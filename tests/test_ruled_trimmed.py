@@ -241,6 +241,17 @@ def test_elements_of_a_board_that_is_ruled_the_other_way():
     assert (across.kind, across.index) == ("end_ruling", 0) and (along.kind, along.index) == ("directrix", 0)
 
 
+@pytest.mark.parametrize("side", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_corners_of_a_board_that_is_ruled_the_other_way(side):
+    """As the board itself has them, which a box meets at the same corner."""
+    x, y = side
+    down = fc.Translation((0, 0, -2))
+    coin = COIN.translated((x * Fraction(13, 5), y * Fraction(14, 5), 1)).moving(down)
+    box = fc.examples.box((0.5, 0.5, 0.5)).translated((2.25 * x, 2.25 * y, 2)).moving(down)
+    named = fc.first_contact(coin, BOARD, exact=True).element_b
+    assert named == fc.first_contact(box, BOARD).element_b and named.kind == "vertex"
+
+
 def test_a_piece_ruled_the_other_way_has_the_same_points():
     piece = fc.RuledSurface("(u, 1, u)", "(2 - u, u, 3*u)", u=(-1, 2), s=(-1, 3), trim=["u <= s"])
     other = piece.crossed()
