@@ -13,9 +13,9 @@ from firstcontact.contact.ruled.intervals import certified_intervals
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.clocks import StraightClock
-from firstcontact.result import ContactIntervals, FirstContact, Status
+from firstcontact.result import ContactIntervals, ContactSet, FirstContact, Status
 from firstcontact.search.rulings.directrices import DirectrixPiece, directrix_pieces
-from firstcontact.search.rulings.ruled_events import RuledEvent, Search, first_event_of, outermost
+from firstcontact.search.rulings.ruled_events import RuledEvent, Search, first_event_of, outermost, sharpened
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.search.trees.touch import carried_normal
 from firstcontact.timeline.answers import proved_intervals
@@ -51,10 +51,15 @@ def first(pieces: Pieces, query: Query) -> FirstContact:
     answer: dict[str, Any] = {"free_until": found.free_until, "stats": stats, **shared}
     if status is Status.INITIAL_CONTACT:
         answer["initial"] = "touching"
+    if found.status == "contact":
+        found = sharpened(search, found, query.tolerance * float(query.end - query.first), budget)
     if found.event is not None:
         assert found.time is not None
         pose = _pose_of_b(step, query.b, found.time)
         answer |= described(found.event, pose, status is Status.CONTACT, shared)
+        answer |= {"free_until": found.free_until, "stats": query.stats(found.boxes)}
+        if found.isolated:
+            answer["contact_set"] = ContactSet("point", answer["point"][None])
     return FirstContact(status, found.time, found.time_interval, **answer)
 
 

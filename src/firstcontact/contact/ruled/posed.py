@@ -34,10 +34,10 @@ from firstcontact.motion.relative.clocks import StraightClock
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.polynomial import PolynomialPiece
-from firstcontact.result import ContactIntervals, FirstContact, Status
+from firstcontact.result import ContactIntervals, ContactSet, FirstContact, Status
 from firstcontact.search.rulings.directrices import signed
 from firstcontact.search.rulings.posed_pieces import PosedPiece, PoseWindow, in_local_time, pose_windows
-from firstcontact.search.rulings.ruled_events import RuledContact, Search, first_event_of
+from firstcontact.search.rulings.ruled_events import RuledContact, Search, first_event_of, sharpened
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.timeline.answers import proved_intervals
 from firstcontact.timeline.sweep import Certified, Found
@@ -111,7 +111,9 @@ def _first(query: Query, work: Work) -> FirstContact:
         best = min(met, key=lambda x: x.interval, default=None)  # type: ignore[arg-type,return-value]
         until = min((x.free_until for x in left), default=None)
         if best is not None and best.interval is not None and (until is None or best.interval[1] <= until):
-            return _answer(pair, window, best, at_start, work)
+            later = (x.is_free or best.interval[1] < x.free_until for x in found if x is not best)
+            alone = best.contact.isolated and all(later)
+            return _answer(pair, window, best, at_start, alone, work)
         if until is not None:
             reason = "budget" if any(x.contact.reason == "budget" for x in left) else "precision"
             return _undecided(until, reason, work, query)
@@ -190,7 +192,8 @@ def _undecided(until: float, reason: str, work: Work, query: Query) -> FirstCont
     )
 
 
-def _answer(pair: _Pair, window: PoseWindow, found: _Found, at_start: bool, work: Work) -> FirstContact:
+def _answer(pair: _Pair, window: PoseWindow, found: _Found, at_start: bool, alone: bool, work: Work) -> FirstContact:
+    """alone: whether its point is all that the bodies share then."""
     query = pair.query
     assert found.interval is not None
     lo, hi = found.interval
@@ -208,6 +211,8 @@ def _answer(pair: _Pair, window: PoseWindow, found: _Found, at_start: bool, work
         numbers = tuple(cell.number for cell in found.cells)
         place = described(found.contact.event, pose, not initial, query.shared, numbers, joined)  # type: ignore[arg-type]
         answer |= place
+        if alone:
+            answer["contact_set"] = ContactSet("point", answer["point"][None])
     return FirstContact(status, time, found.interval, **answer)
 
 
@@ -268,6 +273,8 @@ class _Pair:
         p, q = PosedPiece.posed(self.piece_of(a), window), in_local_time(self.piece_of(b), window)
         search = Search(p, q, math.inf if work.budget is None else budget)
         found = first_event_of(search, fmpq(-1), fmpq(1), self.local(window), budget)
+        if found.status == "contact":
+            found = sharpened(search, found, 2.0 * self.local(window), budget)
         work.done += found.boxes
         interval = None if found.time_interval is None else window.true_times(*found.time_interval)
         return _Found(found, (a, b), window.true_times(found.free_until, 1.0)[0], interval)

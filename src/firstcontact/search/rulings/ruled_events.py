@@ -104,6 +104,7 @@ class RuledContact:
     time           first contact, the nearest double; time_interval (lo, hi): no contact before lo, one at or before hi.
     reason         of "open": "precision" or "budget".
     latest         of "open": a time until which there is certainly a contact, or None.
+    isolated       whether the event's point is proved to be all that the pieces share at the time of contact.
     """
 
     status: str
@@ -114,6 +115,7 @@ class RuledContact:
     reason: str | None = None
     latest: float | None = None
     boxes: int = 0
+    isolated: bool = False
 
 
 @dataclass(frozen=True)
@@ -313,6 +315,19 @@ class Search:
             return free, None
         assert first.zero is not None and first.system is not None
         return free, self._event(first.zero, first.system, first.kind)
+
+    def only(self, lo: float, hi: float, width: float, budget: int) -> RuledEvent | None:
+        """The event at which contact begins, where one point is proved to be all that the pieces share then.
+
+        Nothing meets before lo, something does by hi.  Each point shared at the first time of contact is where contact
+        of its stratum begins, so an event: where all that may be one up to hi is one simple zero, there is no other.
+        """
+        listed = self.listed(lo, width, hi - lo + width, budget)
+        if listed is None or len(listed) != 1 or not listed[0].is_contact:
+            return None
+        (alone,) = listed
+        assert alone.zero is not None and alone.system is not None
+        return self._event(alone.zero, alone.system, alone.kind)
 
     def listed(
         self, lo: float, width: float, reach: float, budget: int, most: int = MOST_FOUND, enough: float = math.inf
@@ -573,6 +588,18 @@ def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget:
         if begin >= hi:
             return RuledContact("free", above(last), boxes=s.done)
     return RuledContact("open", begin, reason="precision", boxes=s.done)
+
+
+def sharpened(s: Search, found: RuledContact, width: float, budget: int) -> RuledContact:
+    """The contact with the tightest enclosure of its time, where one point is proved to be all of it."""
+    assert found.time_interval is not None
+    (lo, hi), budget = found.time_interval, budget - s.spent
+    event = s.only(lo, hi, width, budget) if budget > 0 else None
+    if event is None:
+        return replace(found, boxes=s.done)
+    lo, hi = max(lo, event.time_interval[0]), min(hi, event.time_interval[1])
+    time = min(max(event.time, lo), hi)
+    return replace(found, free_until=lo, time=time, time_interval=(lo, hi), event=event, isolated=True, boxes=s.done)
 
 
 def _settled(
