@@ -51,7 +51,7 @@ class Pair:
 
 PAIRS = {
     (Kind.MESH, Kind.MESH): Pair("polyhedra", (EXACT, EXACT, EXACT, NOT)),
-    (Kind.MESH, Kind.MODEL): Pair("mesh_model", (EXACT, CERTIFIED, NOT, NOT)),
+    (Kind.MESH, Kind.MODEL): Pair("mesh_model", (EXACT, EXACT, NOT, NOT)),
     (Kind.MESH, Kind.RULED): Pair("ruled", (EXACT, CONVEX, NOT, "exact")),
     (Kind.MODEL, Kind.MODEL): Pair("models", (EXACT, EXACT, NOT, NOT)),
     (Kind.MODEL, Kind.RULED): Pair("ruled_solid", (EXACT, EXACT, NOT, "exact")),

@@ -16,6 +16,7 @@ import numpy as np
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.centred import intervals_anew
+from firstcontact.contact.mesh_model import exactly
 from firstcontact.contact.mesh_model.by_triangles import first, holds_model, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
@@ -38,25 +39,30 @@ from firstcontact.work import Query, Spent, Work
 
 @ignoring_idle_turns
 def intervals(query: Query) -> ContactIntervals:
-    """All closed times of contact of a Polyhedron and a CompositeQuadric, in either order; certified.
+    """All closed times of contact of a Polyhedron and a CompositeQuadric, in either order: certified, else exact.
 
     Raises UnsupportedPair.
     """
-    if query.is_algebraic:
-        raise UnsupportedPair(
-            "contact intervals of meshes with curved models are not exact; drop exact=True and method='algebraic'"
-        )
     ways = [
-        Way("by triangles", lambda query, _: decided(_by_triangles(query, False), query)),
-        Way("by triangles near the origin", partial(_anew, exactly=False), _may_be_asked_again),
-        Way("with exact first contacts", partial(_anew, exactly=True), _may_be_asked_again),
+        Way("by triangles", lambda query, _: decided(_by_triangles(query, False), query), _is_in_doubles),
+        Way("by triangles near the origin", partial(_anew, with_exact=False), _may_be_asked_again),
+        Way("with exact first contacts", partial(_anew, with_exact=True), _may_be_asked_again),
+        Way("exactly", lambda query, _: decided(exactly.intervals(query), query), _may_be_exact),
     ]
     return answered(ways, query)
 
 
-def _by_triangles(query: Query, exactly: bool) -> ContactIntervals:
+def _is_in_doubles(query: Query, _: ContactIntervals | None) -> bool:
+    return not query.is_algebraic
+
+
+def _may_be_exact(query: Query, _: ContactIntervals | None) -> bool:
+    return not query.is_certified
+
+
+def _by_triangles(query: Query, with_exact: bool) -> ContactIntervals:
     work = query.work()
-    return proved_intervals(_sweep_of(query, work, exactly).run(), work, query)
+    return proved_intervals(_sweep_of(query, work, with_exact).run(), work, query)
 
 
 def _may_be_asked_again(query: Query, proved: ContactIntervals | None) -> bool:
@@ -64,12 +70,12 @@ def _may_be_asked_again(query: Query, proved: ContactIntervals | None) -> bool:
     return proved is not None and query.budget is None
 
 
-def _anew(query: Query, proved: ContactIntervals, exactly: bool) -> ContactIntervals | Passed:
+def _anew(query: Query, proved: ContactIntervals, with_exact: bool) -> ContactIntervals | Passed:
     """What doubles left open, told from more digits, of bodies away from the origin; or by exact arithmetic too."""
-    found = intervals_anew(lambda near: _by_triangles(near, exactly), query)
-    if found is None and not exactly:
+    found = intervals_anew(lambda near: _by_triangles(near, with_exact), query)
+    if found is None and not with_exact:
         return Passed("they are at the origin")
-    found = _by_triangles(query, exactly) if found is None else found
+    found = _by_triangles(query, with_exact) if found is None else found
     if found.status is Status.UNDECIDED and _reach(found) < _reach(proved):
         return Passed(str(found.reason), proved)
     return decided(found, query)
@@ -96,7 +102,7 @@ def first_by_points(query: Query) -> FirstContact:
     )  # fmt: skip
 
 
-def _sweep_of(query: Query, work: Work, exactly: bool) -> _MeshSweep:
+def _sweep_of(query: Query, work: Work, with_exact: bool) -> _MeshSweep:
     a, b = query.bodies
     mesh_is_a = isinstance(shape_of(a), Polyhedron)
     moving_mesh, moving_model = (a, b) if mesh_is_a else (b, a)
@@ -117,7 +123,7 @@ def _sweep_of(query: Query, work: Work, exactly: bool) -> _MeshSweep:
         return first(replace(query, first=span[0], last=span[1], progress=None))
 
     sweep = _MeshSweep(free, lasting, parts, width, work, touches_at_start)
-    sweep.exactly = between if exactly else None
+    sweep.exactly = between if with_exact else None
     return sweep
 
 

@@ -17,7 +17,7 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.contact.mesh_model.patches import bare_primitive, prisms
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 from firstcontact.exact.numbers import dyadic, precision, to_double
-from firstcontact.exact.rigid import apply, compose, inverse_map
+from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
 from firstcontact.exact.vectors import Vector, cross, sub
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.pieces import placement_at
@@ -38,11 +38,18 @@ class Standing:
     def __init__(self, mesh: Polyhedron, model: CompositeQuadric, t: fmpq) -> None:
         self.mesh, self.model, self.t = mesh, model, t
         poses = [placement_at(x, t) for x in (mesh, model)]
-        self.relative = None
+        self.relative: Matrix | None = None
         """The rational map from the frame of the polyhedron to that of the model."""
         if all(pose.is_exact for pose in poses):
             own, other = (pose.matrix() for pose in poses)
             self.relative = compose(inverse_map(other), own)
+
+    @classmethod
+    def posed(cls, mesh: Polyhedron, model: CompositeQuadric, relative: Matrix) -> Standing:
+        """Of bodies at rest, the polyhedron in a rational pose in the frame of the model."""
+        standing = cls(mesh, model, START)
+        standing.relative = relative
+        return standing
 
     def primitive(self, k: int) -> Place:
         """How a triangle, a bare edge or a bare point lies to the model, by a proof; NEAR and None: not told, but that

@@ -31,17 +31,18 @@ MOST_PLACES = 8
 
 def placed(pair: Pair, u: fmpq) -> CompositeQuadric:
     """Model a where it stands at u, in the frame of b; exact."""
-    return pair.a.transformed([*_pose_at(pair, u), (0, 0, 0, 1)])
+    return pair.a.transformed([*pose_at(pair, u), (0, 0, 0, 1)])
 
 
-def _pose_at(pair: Pair, u: fmpq) -> Matrix:
+def pose_at(pair: Pair, u: fmpq) -> Matrix:
+    """The rational map from the frame of a to that of b at u."""
     rows = [[x(u) for x in row] for row in pair.piece.pose]
     return tuple(tuple(x / rows[3][3] for x in row) for row in rows[:3])  # type: ignore[return-value]
 
 
 def pose_in_doubles(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
     """Linear part and shift of model a at u, in the frame of b, rounded."""
-    pose = np.array([[to_double(x) for x in row] for row in _pose_at(pair, u)])
+    pose = np.array([[to_double(x) for x in row] for row in pose_at(pair, u)])
     return pose[:, :3], pose[:, 3]
 
 
@@ -52,7 +53,7 @@ def relation_at(pair: Pair, u: fmpq) -> Relation | None:
         return Relation.APART
     if _is_polytope(pair.a) and _is_polytope(pair.b):
         return None if _separated(pair, u) else Relation.OVERLAPPING
-    return relation(pair.a, pair.b, _pose_at(pair, u))
+    return relation(pair.a, pair.b, pose_at(pair, u))
 
 
 def soon_told(pair: Pair, u: fmpq) -> Relation | None:
@@ -60,7 +61,7 @@ def soon_told(pair: Pair, u: fmpq) -> Relation | None:
     (lo, hi), (low, high) = _box_of_a(pair, u), pair.b.bounds()
     if np.any(lo > high) or np.any(low > hi):
         return Relation.APART
-    return relation_in_doubles(pair.a, pair.b, _pose_at(pair, u))
+    return relation_in_doubles(pair.a, pair.b, pose_at(pair, u))
 
 
 def overlap(pair: Pair, u: fmpq) -> bool | None:
@@ -86,7 +87,7 @@ def overlap_given(known: Relation | None, pair: Pair, u: fmpq, inner: list[Vecto
 def is_inner(x: Vector, pair: Pair, u: fmpq) -> bool:
     """Whether the point (x, y, z), in the frame of b, is inside both models at u."""
     p, q, r = x
-    return pair.b.is_strict(x, True) and pair.a.is_strict(apply(inverse_map(_pose_at(pair, u)), (p, q, r)), True)
+    return pair.b.is_strict(x, True) and pair.a.is_strict(apply(inverse_map(pose_at(pair, u)), (p, q, r)), True)
 
 
 def overlap_around(pair: Pair, u: fmpq, shared: Sequence[Vector]) -> bool:
@@ -153,7 +154,7 @@ def _is_conjunction(tree: Tree) -> bool:
 
 def _separated(pair: Pair, u: fmpq) -> bool:
     """Whether a plane along a face of one polytope, or along an edge of each, has their interiors on two sides."""
-    points_a, edges_a = _skeleton(pair.a, (*_pose_at(pair, u), (ZERO, ZERO, ZERO, ONE)))
+    points_a, edges_a = _skeleton(pair.a, (*pose_at(pair, u), (ZERO, ZERO, ZERO, ONE)))
     points_b, edges_b = _skeleton(pair.b, None)
     normals = [tuple(c(u) for c in form[:3]) for form in (*pair.forms_a, *pair.forms_b)]
     normals += [cross(d, e) for d in edges_a for e in edges_b]

@@ -101,10 +101,18 @@ def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
         return cut[cells]
     size = math.frexp(reach)[1] + 1
     if size not in cut:
-        cube = primitives.box((2 ** (size + 1),) * 3) if size > 0 else primitives.box((4, 4, 4))
-        cut[size] = body & cube
+        cut[size] = _part_around_origin(body, max(size, 1))
         cut[size].whole = body
     return cut[size]
+
+
+def _part_around_origin(body: CompositeQuadric, size: int) -> CompositeQuadric:
+    """What it has in the cube |x|, |y|, |z| <= 2^size, or in the next one that holds some of it."""
+    while True:
+        try:
+            return body & primitives.box((2 ** (size + 1),) * 3)
+        except NoSolid:
+            size += 1
 
 
 def _turned_back(motion: AnyMotion) -> AnyMotion | None:

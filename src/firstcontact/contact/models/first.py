@@ -8,15 +8,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.models.advancing import ignoring_advance
-from firstcontact.contact.models.algorithm import Candidate, Meeting, Root, Search, between
+from firstcontact.contact.models.algorithm import Meeting, Root, Search
 from firstcontact.contact.models.answer import contact_of, listed, world_time
 from firstcontact.contact.models.at_contact import contact_then, surfaces_there
 from firstcontact.contact.models.at_rest import is_containment, overlap_around
 from firstcontact.contact.models.certified import both_bounded, near_models, settle
+from firstcontact.contact.models.exact_windows import decided_intervals
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.models.intervals import certified_intervals
 from firstcontact.contact.models.last_instant import landing
@@ -28,19 +28,17 @@ from firstcontact.contact.ways import Passed, Way, answered, decided, is_proved
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import above, below, fraction, simplest, to_double
-from firstcontact.exact.systems.square_systems import OpenRoot
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.convex.advance import Advance, advance
-from firstcontact.timeline.answers import interval_of, proved_intervals
+from firstcontact.timeline.answers import proved_intervals
 from firstcontact.work import Query, Spent, Work
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body, Model
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
-    from firstcontact.result import ExactTime
 
 QUICK_STEPS = 1000
 """Subproblems and candidates that algebra looks at before doubles are asked for intervals: a few tenths of a second.
@@ -308,7 +306,7 @@ def intervals(query: Query) -> ContactIntervals:
         return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
 
     def soon_decided(query: Query, _: None) -> ContactIntervals | Passed:
-        return decided(_decided_intervals(query, work(query.limited(QUICK_STEPS)), free_until), query)
+        return decided(by_algebra(query, work(query.limited(QUICK_STEPS))), query)
 
     def in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
         done, pair = work(query), prisms_on_common_plane(*models) or models
@@ -317,14 +315,14 @@ def intervals(query: Query) -> ContactIntervals:
         )
         return decided(proved_intervals(found, done, query), query)
 
-    def exactly(query: Query, _: None) -> ContactIntervals:
-        return _decided_intervals(query, work(query), free_until)
+    def by_algebra(query: Query, account: Work) -> ContactIntervals:
+        return decided_intervals(query, _searches(query, account, free_until), account, free_until)
 
     return answered([
         Way("in doubles, if free", if_free, lambda query, _: not query.is_algebraic and query.budget is None),
         Way("soon exactly", soon_decided, lambda query, _: query.is_auto and not any(map(needs_systems, models))),
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
-        Way("exactly", exactly, lambda query, _: not query.is_certified),
+        Way("exactly", lambda query, _: by_algebra(query, work(query)), lambda query, _: not query.is_certified),
         Way("as polyhedra", _intervals_as_polyhedra, lambda query, _: not query.is_algebraic),
     ], query)  # fmt: skip
 
@@ -343,33 +341,6 @@ def _touching_at_start(query: Query) -> np.ndarray | None:
     if query.first != 0 or not all(np.array_equal(pose, np.eye(4)) for pose in poses):
         return None
     return _at_start(query).point
-
-
-def _decided_intervals(query: Query, work: Work, free_until: float) -> ContactIntervals:
-    """The answer of exact arithmetic: between two candidates the models overlap all the time or not at all.
-
-    free_until: a time before which they are proved apart.
-    """
-    found: list[tuple[_End, _End]] = []
-    tests = evaluations = 0
-    reason = None
-    try:
-        for search in _searches(query, work, free_until):
-            for start, end in list(_windows(search, free_until)):
-                if found and found[-1][1].is_same_time(start):
-                    found[-1] = found[-1][0], end
-                else:
-                    found.append((start, end))
-            tests, evaluations = tests + len(search.tasks), evaluations + len(search.verdicts)
-    except Spent:
-        reason = "budget"
-    intervals = tuple(interval_of(start, end, query.exact) for start, end in found)
-    at_start = bool(found) and found[0][0].is_at(query.first)
-    status = Status.FREE if not found else Status.INITIAL_CONTACT if at_start else Status.CONTACT
-    until = intervals[0].start if intervals else query.span[1]
-    if reason is not None:
-        status, until = Status.UNDECIDED, work.free_until
-    return ContactIntervals(intervals, status, until, reason, query.stats(0, tests, evaluations), **query.shared)
 
 
 def _searches(query: Query, work: Work, free_until: float = -math.inf) -> Iterator[Search]:
@@ -437,76 +408,3 @@ def _initial(search: Search, touching: list[Meeting], query: Query) -> FirstCont
 
 def _with(answer: FirstContact, **changes: Any) -> FirstContact:
     return replace(answer, **changes)
-
-
-class _End:
-    """An end of an interval of contact: a root of the piece's u, or one of the piece's ends."""
-
-    def __init__(self, search: Search, root: Root | None, time: fmpq | None = None) -> None:
-        self.search, self.root, self.time = search, root, time
-
-    def is_at(self, time: fmpq) -> bool:
-        if self.root is None:
-            return self.time == time
-        return self.search.pair.piece.clock.compare(self.root, time) == 0
-
-    def is_same_time(self, other: _End) -> bool:
-        """For an end of one piece and a start of the next: they can only meet where the pieces do."""
-        return self.is_at(other.search.pair.piece.start) and other.is_at(other.search.pair.piece.start)
-
-    def value(self, exact: bool) -> tuple[float, tuple[float, float], ExactTime | None]:
-        if self.root is None:
-            assert self.time is not None
-            t = to_double(self.time)
-            return t, (t, t), fraction(self.time) if exact else None
-        t, around = world_time(self.search.pair, self.root)
-        known = exact and isinstance(self.root, AlgebraicRoot)
-        return t, around, self.search.pair.piece.exact_time(self.root) if known else None
-
-
-def _windows(search: Search, free_until: float) -> Iterator[tuple[_End, _End]]:
-    """The closed windows of contact in one piece: between two candidates nothing changes.
-
-    Models that are apart stay so until candidates that are contacts.  free_until: a time before which they are proved
-    apart.
-    """
-    piece = search.pair.piece
-    start: _End | None = None
-    apart = False
-    passed: list[Candidate] | None = None
-    if any(isinstance(candidate.root, OpenRoot) for candidate in search.candidates):
-        raise UnsupportedPair("an edge of degree 4 leaves a stretch of time undecided; its intervals are not supported")
-    lo = piece.u_lo
-    before = _End(search, None, piece.start)
-    for group in search.groups():
-        root = group[0].root
-        if world_time(search.pair, root)[1][1] < free_until:
-            apart, before, lo = True, _End(search, root), search.beyond(root)
-            continue
-        if piece.clock.compare(root, piece.start) > 0:
-            if not apart and _share(search, between(lo, root), passed if start else None):
-                start = start or before
-            else:
-                if start is not None:
-                    yield start, before
-                start, apart = None, True
-        here = _End(search, root)
-        if start is None and search.meetings(group):
-            start = here
-        apart = apart and start is None and search.are_no_contacts(group)
-        before, lo, passed = here, search.beyond(root), group
-    assert piece.u_hi is not None and piece.end is not None
-    if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
-        if not apart and _share(search, (lo + piece.u_hi) / 2, passed if start else None):
-            yield start or before, _End(search, None, piece.end)
-            return
-    if start is not None:
-        yield start, before
-
-
-def _share(search: Search, u: fmpq, passed: list[Candidate] | None) -> bool:
-    """Whether the models share a point at u, which is no candidate; passed: as for `share_a_point`."""
-    shared = search.share_a_point(u, passed)
-    if shared is None:
-        raise UnsupportedPair("the models come so close that it is not proved whether they touch")
-    return shared

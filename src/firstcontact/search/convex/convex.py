@@ -120,13 +120,20 @@ def _covering(body: CompositeQuadric) -> ConvexPieces:
 
 
 def _filled(body: CompositeQuadric) -> list[Clause]:
-    """The clauses of the tree that hold points, without their half-spaces that are not convex."""
-    filled = set()
-    for clause in _covering_clauses(body, body.tree, True):
-        solid = _solid(body, clause)
-        if solid is not None:
-            filled.add(frozenset(x for x in clause if _bounds_convexly(body, x, clause, solid)))
-    return _largest(filled)
+    """The clauses of the tree that hold points, without their half-spaces that are not convex.
+
+    Raises NotConvex where that leaves all of space.
+    """
+    filled = {_convex_part(body, clause) for clause in _covering_clauses(body, body.tree, True)}
+    if frozenset() in filled:
+        raise NotConvex("no convex half-space bounds it")
+    return _largest({clause for clause in filled if clause is not None})
+
+
+def _convex_part(body: CompositeQuadric, clause: Clause) -> Clause | None:
+    """The half-spaces of a clause that are convex in its company; None where it holds no point."""
+    solid = _solid(body, clause) if clause else body
+    return None if solid is None else frozenset(x for x in clause if _bounds_convexly(body, x, clause, solid))
 
 
 def _covering_clauses(body: CompositeQuadric, tree: Tree, wanted: bool) -> list[Clause]:

@@ -1,0 +1,127 @@
+"""All times of contact of a polyhedron of any shape and a curved model in exact arithmetic, under rational motions.
+
+The triangles that come near the model are one thin model.  Its candidates (`contact.models.algorithm`) are all times at
+which the surface of the polyhedron may begin or end to share a point with the model; between two of them it does all
+the time or never, and where it does not, parity tells whether the polyhedron holds the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from flint import fmpq
+
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.contact.mesh_model.by_triangles import holds_model, windows_of
+from firstcontact.contact.mesh_model.mesh_holes import search_of
+from firstcontact.contact.mesh_model.mesh_starts import Standing
+from firstcontact.contact.mesh_model.patches import patch
+from firstcontact.contact.models.algorithm import Candidate, Search
+from firstcontact.contact.models.answer import world_time
+from firstcontact.contact.models.at_rest import pose_at
+from firstcontact.contact.models.certified import bounded
+from firstcontact.contact.models.exact_windows import decided_intervals
+from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.fields.roots import AlgebraicRoot
+from firstcontact.exact.numbers import below, exact_value, to_double
+from firstcontact.exact.rigid import inverse_map
+from firstcontact.motion.moving import shape_of
+from firstcontact.motion.relative.polynomial import relative_pieces
+from firstcontact.motion.relative.stretches import Window
+from firstcontact.result import ContactIntervals
+from firstcontact.search.convex.mesh_advance import MeshSearch
+from firstcontact.search.convex.relation import Relation
+from firstcontact.work import Query, Work
+
+MOST = 64
+"""Triangles, bare edges and points that come near the model."""
+
+
+def intervals(query: Query) -> ContactIntervals:
+    """All closed times of contact of a Polyhedron and a CompositeQuadric, in either order; exact.
+
+    Candidates and looks between them count as work.  Raises UnsupportedPair.
+    """
+    work = query.work()
+    return decided_intervals(query, _searches(query, work), work, query.span[0])
+
+
+@dataclass
+class _Bodies:
+    """The polyhedron, the model, the surface search that places points of the model, and the windows of the motion."""
+
+    mesh: Polyhedron
+    model: CompositeQuadric
+    near: list[int]
+    search: MeshSearch
+    windows: list[Window]
+    mesh_is_a: bool
+
+
+@dataclass
+class _MeshSearch(Search):
+    """Between two candidates the surfaces share a point all the time or never."""
+
+    bodies: _Bodies | None = None
+
+    def share_a_point(self, u: fmpq, passed: list[Candidate] | None = None) -> bool | None:
+        if passed is not None and self.are_no_contacts(passed):
+            return True
+        assert self.bodies is not None
+        pose = pose_at(self.pair, u)
+        standing = Standing.posed(
+            self.bodies.mesh, self.bodies.model, pose if self.bodies.mesh_is_a else inverse_map(pose)
+        )
+        apart = True
+        for k in self.bodies.near:
+            self.work.step()
+            place = standing.primitive(k)
+            if place.point is not None:
+                return True
+            apart &= place.relation is Relation.APART
+        if self.lasting(u):
+            return True
+        return self._is_held(u) if apart else None
+
+    def _is_held(self, u: fmpq) -> bool | None:
+        """Whether the polyhedron holds a part of the model, where its surface meets none; None where it is not told."""
+        assert self.bodies is not None
+        if not self.bodies.mesh.solid:
+            return False
+        time = exact_value(world_time(self.pair, AlgebraicRoot.of(u))[0])
+        clock = self.pair.piece.clock
+        for candidate in self.candidates:  # the double stands for u where no candidate lies between
+            if (candidate.root.compare(u) > 0) is not (clock.compare(candidate.root, time) > 0):
+                return None
+        t = to_double(time)
+        window = next((w for w in self.bodies.windows if w.first <= t <= w.last), None)
+        if window is None:
+            return None
+        return holds_model(self.bodies.search, self.bodies.mesh, window._replace(first=t, last=t, inner=t))
+
+
+def _searches(query: Query, work: Work) -> Iterator[Search]:
+    """One for every piece of the relative motion."""
+    a, b = query.bodies
+    mesh_is_a = isinstance(shape_of(a), Polyhedron)
+    moving_mesh, moving_model = (a, b) if mesh_is_a else (b, a)
+    mesh, model = shape_of(moving_mesh), shape_of(bounded(moving_model, moving_mesh, query.span))
+    windows = windows_of(a, b, query.first, query.end)
+    search = search_of(mesh, model, mesh_is_a, query.budget)
+    near = sorted({x.primitive for window in windows for x in search.near(window).open}) or [0]
+    if len(near) > MOST:
+        raise UnsupportedPair(
+            f"{a!r} and {b!r}: {len(near)} triangles come near the solid, too many for exact contact intervals; "
+            "drop exact=True and method='algebraic'"
+        )
+    bodies = _Bodies(mesh, model, near, search, windows, mesh_is_a)
+    thin: Any = patch(mesh, near, (0.0, 0.0, 0.0))
+    for piece in relative_pieces(a, b, query.first, query.end):
+        if not piece.exact:
+            raise UnsupportedPair(f"{piece.of}: the pose before this step is irrational")
+        work.free_until = below(piece.start)
+        yield _MeshSearch(Pair(thin, model, piece) if mesh_is_a else Pair(model, thin, piece), work, bodies=bodies)

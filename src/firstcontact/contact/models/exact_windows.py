@@ -1,0 +1,122 @@
+"""All times of contact of models as exact arithmetic tells them, from the candidates of `contact.models.algorithm`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from flint import fmpq
+
+from firstcontact.contact.models.algorithm import Candidate, Root, Search, between
+from firstcontact.contact.models.answer import world_time
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.fields.roots import AlgebraicRoot
+from firstcontact.exact.numbers import fraction, to_double
+from firstcontact.exact.systems.square_systems import OpenRoot
+from firstcontact.result import ContactIntervals, Status
+from firstcontact.timeline.answers import interval_of
+from firstcontact.work import Query, Spent, Work
+
+if TYPE_CHECKING:
+    from firstcontact.result import ExactTime
+
+
+def decided_intervals(query: Query, searches: Iterator[Search], work: Work, free_until: float) -> ContactIntervals:
+    """The answer of exact arithmetic: between two candidates the bodies overlap all the time or not at all.
+
+    searches: one for every piece of the relative motion, in time order, which `work` pays.
+    free_until: a time before which they are proved apart.
+    """
+    found: list[tuple[End, End]] = []
+    tests = evaluations = 0
+    reason = None
+    try:
+        for search in searches:
+            for start, end in list(_windows(search, free_until)):
+                if found and found[-1][1].is_same_time(start):
+                    found[-1] = found[-1][0], end
+                else:
+                    found.append((start, end))
+            tests, evaluations = tests + len(search.tasks), evaluations + len(search.verdicts)
+    except Spent:
+        reason = "budget"
+    intervals = tuple(interval_of(start, end, query.exact) for start, end in found)
+    at_start = bool(found) and found[0][0].is_at(query.first)
+    status = Status.FREE if not found else Status.INITIAL_CONTACT if at_start else Status.CONTACT
+    until = intervals[0].start if intervals else query.span[1]
+    if reason is not None:
+        status, until = Status.UNDECIDED, work.free_until
+    return ContactIntervals(intervals, status, until, reason, query.stats(0, tests, evaluations), **query.shared)
+
+
+class End:
+    """An end of an interval of contact: a root of the piece's u, or one of the piece's ends."""
+
+    def __init__(self, search: Search, root: Root | None, time: fmpq | None = None) -> None:
+        self.search, self.root, self.time = search, root, time
+
+    def is_at(self, time: fmpq) -> bool:
+        if self.root is None:
+            return self.time == time
+        return self.search.pair.piece.clock.compare(self.root, time) == 0
+
+    def is_same_time(self, other: End) -> bool:
+        """For an end of one piece and a start of the next: they can only meet where the pieces do."""
+        return self.is_at(other.search.pair.piece.start) and other.is_at(other.search.pair.piece.start)
+
+    def value(self, exact: bool) -> tuple[float, tuple[float, float], ExactTime | None]:
+        if self.root is None:
+            assert self.time is not None
+            t = to_double(self.time)
+            return t, (t, t), fraction(self.time) if exact else None
+        t, around = world_time(self.search.pair, self.root)
+        known = exact and isinstance(self.root, AlgebraicRoot)
+        return t, around, self.search.pair.piece.exact_time(self.root) if known else None
+
+
+def _windows(search: Search, free_until: float) -> Iterator[tuple[End, End]]:
+    """The closed windows of contact in one piece: between two candidates nothing changes.
+
+    Models that are apart stay so until candidates that are contacts.  free_until: a time before which they are proved
+    apart.
+    """
+    piece = search.pair.piece
+    start: End | None = None
+    apart = False
+    passed: list[Candidate] | None = None
+    if any(isinstance(candidate.root, OpenRoot) for candidate in search.candidates):
+        raise UnsupportedPair("an edge of degree 4 leaves a stretch of time undecided; its intervals are not supported")
+    lo = piece.u_lo
+    before = End(search, None, piece.start)
+    for group in search.groups():
+        root = group[0].root
+        if world_time(search.pair, root)[1][1] < free_until:
+            apart, before, lo = True, End(search, root), search.beyond(root)
+            continue
+        if piece.clock.compare(root, piece.start) > 0:
+            if not apart and _share(search, between(lo, root), passed if start else None):
+                start = start or before
+            else:
+                if start is not None:
+                    yield start, before
+                start, apart = None, True
+        here = End(search, root)
+        if start is None and search.meetings(group):
+            start = here
+        apart = apart and start is None and search.are_no_contacts(group)
+        before, lo, passed = here, search.beyond(root), group
+    assert piece.u_hi is not None and piece.end is not None
+    if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
+        if not apart and _share(search, (lo + piece.u_hi) / 2, passed if start else None):
+            yield start or before, End(search, None, piece.end)
+            return
+    if start is not None:
+        yield start, before
+
+
+def _share(search: Search, u: fmpq, passed: list[Candidate] | None) -> bool:
+    """Whether the models share a point at u, which is no candidate; passed: as for `share_a_point`."""
+    shared = search.share_a_point(u, passed)
+    if shared is None:
+        raise UnsupportedPair("the models come so close that it is not proved whether they touch")
+    return shared
