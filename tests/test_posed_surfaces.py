@@ -313,3 +313,31 @@ def test_local_time_stands_for_time():
         x = fmpq(1, 3)
         t = window.clock(x)
         assert sum(c * x**k for k, c in enumerate(local.first[2][0])) * local.first[3][0][0] ** -1 == t**2
+
+
+TWIST = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)")
+BOARD = fc.RuledSurface("(u, -3, 0)", "(u, 3, 0)", u=(-5, 5))
+ARCH = fc.RuledSurface("(u, 0, 1 - u**2)", "(u, 1, 2 - u**2)", u=(-1, 1))  # on the feet (-1, 0, 0) and (1, 0, 0)
+BRIDGE = fc.RuledSurface.from_nurbs(  # of two pieces, on the same feet
+    [[(x, y, z + y) for y in (0, 1)] for x, z in ((-1, 0), (-0.5, 1), (0.5, 1), (1, 0))], knots=[0, 0, 0, 1, 2, 2, 2]
+)
+DOWN = fc.Translation((0.1, 0, -10)), fc.Rotation((1, 0, 0), (0, 4, 2), degrees=90)
+
+
+@pytest.mark.parametrize("motion", DOWN, ids=lambda m: type(m).__name__)
+def test_one_point_is_told_without_elimination(motion):
+    moving = TWIST.translated((0.3, 0.2, 5)).moving(motion)
+    hit, exact = fc.first_contact(moving, TWIST), fc.first_contact(moving, TWIST, exact=True)
+    assert [way.told for way in hit.stats.ways] == ["CONTACT"] and hit.contact_set == "point"
+    lo, hi = hit.time_interval
+    assert lo <= exact.time <= hi and hi - lo <= 4e-16 and hit.time == exact.time
+    assert (hit.element_a, hit.element_b) == (exact.element_a, exact.element_b) and hit.multiplicity == 1
+    assert np.allclose(hit.point, exact.point, atol=1e-14) and np.allclose(hit.normal, exact.normal, atol=1e-14)
+
+
+@pytest.mark.parametrize("feet", [ARCH, BRIDGE], ids=["of one piece", "of two pieces"])
+@pytest.mark.parametrize("motion", [fc.Translation((0, 0, -1)), fc.Screw((0, 0, -1), degrees=50, advance=1)])
+def test_two_points_at_once_are_not_told_as_one(feet, motion):
+    hit = fc.first_contact(feet.translated((0, 0, 0.5)).moving(motion), BOARD, method="certified")
+    lo, hi = hit.time_interval
+    assert lo <= 0.5 <= hi and hit.contact_set is None
