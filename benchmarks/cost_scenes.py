@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction as F  # noqa: N817
 from typing import Any, Literal
 
 import numpy as np
@@ -380,3 +381,43 @@ def _angle() -> Question:
 def _full_turn() -> Question:
     a = fc.RuledSurface("(u, u**2, 0)", "(u, 1, u**2 + 1)").translated((2, 0, 0))
     return first(a.moving(fc.Rotation((0, 0, 1), turns=1)), fc.RuledSurface("(u**2, u, 0)", "(-1, u, u**2 + 1)"))
+
+
+@row("apexes a hair apart that turn about one axis", "over 80 s", 30)
+def _apexes() -> Question:
+    turn = [fc.Rotation((F(6, 19), F(-18, 19), F(1, 19)), (-1, 3, 3), degrees=d) for d in (217, 17)]
+    a = fc.RuledSurface(
+        "(7500000000003/9500000000000 + 6*u/19 + 18*u**2/19, 34499999999991/9500000000000 + u/19 - 54*u**2/19,"
+        " 69000000000001/19000000000000 - 18*u/19 + 3*u**2/19)",
+        "(-26499999999997/9500000000000 + 6*u/19 + 18*u**2/19, 22499999999991/9500000000000 + u/19 - 54*u**2/19,"
+        " 45000000000001/19000000000000 - 18*u/19 + 3*u**2/19)",
+        u=(-3, 1),
+    )  # fmt: skip
+    b = fc.RuledSurface(
+        "((-25/19 - 102*u/19 - 37*u**2/19)/(1 + u**2), (94/19 - 36*u/19 + 92*u**2/19)/(1 + u**2),"
+        " (37/19 - 36*u/19 + 73*u**2/19)/(1 + u**2))",
+        "(-1, 3, 3)", u=None,
+    )  # fmt: skip
+    return first(a.moving(turn[0]), b.moving(turn[1]))
+
+
+@row("two ruled pieces of which one deforms, exact", "20 s", 30)
+def _deforming() -> Question:
+    a = fc.RuledSurface(
+        "((188/9 - 85*u/18 - 5*u**2/18)/(4 - u + u**2), (64/9 - 5*u/18 + 59*u**2/18)/(4 - u + u**2),"
+        " (77/9 + 65*u/18 - 11*u**2/18)/(4 - u + u**2))",
+        "(85/18 - 2*u + 4*u**2, 77/18 - 6*u + 6*u**2, 25/18 + 4*u - 5*u**2)",
+    )  # fmt: skip
+    b = fc.RuledSurface(
+        "(3 - 6*u + u**2 + 6*T, -2 + 2*u + 3*u**2 + 4*T, -2 + u**2 + 3*T)",
+        "(2*u - 3*u**2 + 6*T, -3 + 4*u + 2*u**2 + 4*T, 3 - 4*u + 3*T)",
+    )
+    return first(a, b, span=(0.8125, 1), exact=True)
+
+
+@row("contact_condition of a cusp under a skew matrix, text", "12 s", 2)
+def _cusp() -> Question:
+    skew = [[1, 2, 1, -1], [2, -1, 0, 1], [1, 0, 1, 1], [0, 0, 0, 1]]
+    p = fc.RuledSurface("(u, u-u**2-u**3+2*T, 0)", "(u, u-u**2-u**3+2*T, 1)", u=(-1, F(3, 2))).transformed(skew)
+    q = fc.RuledSurface("(u**2, u**3, T-2)", "(u**2, u**3, T-1)", u=(-1, F(1, 3))).transformed(skew)
+    return lambda: str(fc.contact_condition(p, q))

@@ -20,9 +20,10 @@ from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.contact.ruled.implicants import Signs, Term, implicants
 from firstcontact.contact.signs.conditions import Conditions, Range, conditions
+from firstcontact.contact.signs.exclusion import Box, Span, survivors
 from firstcontact.contact.signs.fibres import Fibre, Moment, count
 from firstcontact.contact.signs.sheets import Sheet, TooLarge, candidates, critical_times, instants, samples, sheets
-from firstcontact.contact.signs.times import Times, roots_of
+from firstcontact.contact.signs.times import Times, enclosed, roots_of
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots, roots_in
@@ -85,6 +86,8 @@ class ContactCondition:
         own += [p for sheet in sheets(c) if sheet.exchanged and sheet.f is not None for p in sheet.times]
         self._critical = list({str(p): p for p in own}.values())
         self._slices = self._sliced(self._borders, self._critical)
+        self._near: dict[Span, list[Box]] = {}
+        """By times, where rulings may meet then."""
         self.cells: tuple[Cell, ...] = tuple(cell for cells in self._slices for cell in cells)
 
     @property
@@ -200,13 +203,23 @@ class ContactCondition:
         """The terms, and those of contact on borders without any in the cells beside; polynomials may be added."""
         found = list(terms)
         for k, places in self._doubtful_places(polynomials).items():
-            sides: dict[bool, list[Signs]] = {True: [], False: []}
+            sides: dict[bool, list[Place]] = {True: [], False: []}
             for u, t in places:
                 if not any(_satisfied(polynomials, term, u, t) for term in terms):
-                    sides[count(self._conditions, u, t) > 0].append(_signs(polynomials, u, t))
-            for term in implicants(sides[True], sides[False]) or ():
+                    sides[self._may_meet(u, t) and count(self._conditions, u, t) > 0].append((u, t))
+            if not sides[True]:
+                continue  # no term is wanted; signs at irrational places are dear
+            inside, outside = ([_signs(polynomials, *place) for place in sides[own]] for own in (True, False))
+            for term in implicants(inside, outside) or ():
                 found.append({**term, k: 0})
         return found
+
+    def _may_meet(self, u: AlgebraicRoot, t: AlgebraicRoot) -> bool:
+        """False proves, in doubles, that the ruling u meets none of q at the time."""
+        (lo, hi), now = enclosed(u), enclosed(t)
+        if now not in self._near:
+            self._near[now] = survivors(self._conditions, now)
+        return any(box.inverse[0] or (box.u[0] <= hi and lo <= box.u[1]) for box in self._near[now])
 
     def _doubtful_places(self, polynomials: list[fmpz_mpoly]) -> dict[int, list[Place]]:
         """By the number of a border the places on it, one on every part, at which contact may be thin."""

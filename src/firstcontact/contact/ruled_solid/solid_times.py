@@ -14,8 +14,8 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.contact.ruled_solid.solid_conditions import SolidConditions
-from firstcontact.contact.signs.exclusion import Box, Span, powers, signs_over, survivors
-from firstcontact.contact.signs.shared_points import Contact, clusters
+from firstcontact.contact.signs.exclusion import Box, Span, clusters, powers, signs_over, survivors
+from firstcontact.contact.signs.shared_points import Contact
 from firstcontact.contact.signs.sheets import FARTHEST, Reach, dyadic_between
 from firstcontact.contact.signs.times import Times, enclosed
 from firstcontact.exact.fields.roots import AlgebraicRoot, roots_in

@@ -7,7 +7,7 @@ with weights of at most 1, and each halving averages them `degree` times.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import comb
 from typing import NamedTuple
@@ -48,17 +48,39 @@ def survivors(c: SignConditions, span: Span, visits: int = 600, depth: int = 45)
     assert charts[0].u is not None and charts[0].v is not None  # ranges that all charts have
     lo, hi = span
     ranges = charts[0].u, charts[0].v, (lo, lo) if hi - lo <= INSTANT * abs(lo) else span
-    index, halved = _search(_nets(_together([powers(chart) for chart in charts]), ranges), c.excludes, visits, depth)
+    index, halved = search(_nets(_together([powers(chart) for chart in charts]), ranges), c.excludes, visits, depth)
+    return boxes_of(index, halved, inverse, (ranges[0], ranges[1], span))
+
+
+def boxes_of(
+    index: np.ndarray, halved: Sequence[int], inverse: Sequence[tuple[bool, bool]], ranges: tuple[Span, Span, Span]
+) -> list[Box]:
+    """Those that `search` found in the ranges; inverse: by chart."""
     sides: dict[tuple[int, int], Span] = {}
     found: list[Box] = []
     for chart, *path in index.tolist():
         for k, i in enumerate(path):
             if (k, i) not in sides:
-                lo, hi = span if k == 2 else ranges[k]
+                lo, hi = ranges[k]
                 step = (hi - lo) / 2 ** halved[k]
                 sides[k, i] = lo + i * step, lo + (i + 1) * step
         found.append(Box(inverse[chart], *(sides[k, i] for k, i in enumerate(path))))
     return found
+
+
+def clusters(boxes: Sequence[Box]) -> list[tuple[Span, Span]]:
+    """Hulls of boxes that touch each other."""
+    groups: list[tuple[Span, Span]] = []
+    for box in boxes:
+        u, v = box.u, box.v
+        apart = []
+        for x, y in groups:
+            if x[0] <= u[1] and u[0] <= x[1] and y[0] <= v[1] and v[0] <= y[1]:
+                u, v = (min(x[0], u[0]), max(x[1], u[1])), (min(y[0], v[0]), max(y[1], v[1]))
+            else:
+                apart.append((x, y))
+        groups = [*apart, (u, v)]
+    return groups
 
 
 def signs_over(c: SignConditions, ranges: tuple[Span, Span, Span]) -> tuple[np.ndarray, np.ndarray]:
@@ -71,7 +93,7 @@ Excludes = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """As `Conditions.excludes`."""
 
 
-def _search(live: np.ndarray, excludes: Excludes, visits: int, depth: int) -> tuple[np.ndarray, list[int]]:
+def search(live: np.ndarray, excludes: Excludes, visits: int, depth: int) -> tuple[np.ndarray, list[int]]:
     """(n, 4) chart and index among the parts of each variable's range of the boxes left; how often they were halved.
 
     live: (charts, polynomials, l, m, n) nets, Delta first.
@@ -152,8 +174,13 @@ def powers(c: SignConditions) -> np.ndarray:
 @lru_cache(maxsize=256)
 def _to_bernstein(n: int, lo: fmpq, hi: fmpq) -> np.ndarray:
     """(n + 1, n + 1) from coefficients of powers to those of the Bernstein form on [lo, hi]; one row where lo = hi."""
+    return np.array([[to_double(x) for x in row] for row in to_bernstein_exactly(n, lo, hi)])
+
+
+def to_bernstein_exactly(n: int, lo: fmpq, hi: fmpq) -> list[list[fmpq]]:
+    """The same in rational numbers."""
     if lo == hi:
-        return np.array([[to_double(lo**j) for j in range(n + 1)]])
+        return [[lo**j for j in range(n + 1)]]
     rows = []
     for i in range(n + 1):
         # the blossom of x^j with i arguments hi and n - i arguments lo
@@ -161,6 +188,6 @@ def _to_bernstein(n: int, lo: fmpq, hi: fmpq) -> np.ndarray:
         for j in range(n + 1):
             parts = range(max(0, i + j - n), min(i, j) + 1)
             total = sum((comb(i, m) * comb(n - i, j - m) * hi**m * lo ** (j - m) for m in parts), fmpq(0))
-            row.append(to_double(total / comb(n, j)))
+            row.append(total / comb(n, j))
         rows.append(row)
-    return np.array(rows)
+    return rows

@@ -7,13 +7,14 @@ that field mostly are linear.  Boxes that survived exclusion tell where to look.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from flint import arb, fmpq, fmpz_mpoly
 
+from firstcontact.contact.signs.closer import closer
 from firstcontact.contact.signs.conditions import Range, SignConditions
-from firstcontact.contact.signs.exclusion import Box, Span
+from firstcontact.contact.signs.exclusion import Box, Span, clusters
 from firstcontact.contact.signs.sheets import Sheet, sheets
 from firstcontact.exact.fields.common_field import Polynomial, adjoined, gcd, refined, squarefree
 from firstcontact.exact.fields.field_towers import trimmed
@@ -69,7 +70,7 @@ def shared_points(c: SignConditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> 
     """
     field = NumberField(t)
     by_chart: dict[tuple[bool, bool], list[Box]] = {}
-    for box in boxes:
+    for box in closer(c, t, list(boxes)):
         by_chart.setdefault(box.inverse, []).append(box)
     for inverse, group in by_chart.items():
         chart = c.charts[inverse]
@@ -78,21 +79,6 @@ def shared_points(c: SignConditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> 
             for sheet in own:
                 for point in _on_sheet(chart, sheet, field, u, v, inverse):
                     yield Contact(chart, inverse, (c.u, c.v), *point)
-
-
-def clusters(boxes: Sequence[Box]) -> list[tuple[Span, Span]]:
-    """Hulls of boxes that touch each other."""
-    groups: list[tuple[Span, Span]] = []
-    for box in boxes:
-        u, v = box.u, box.v
-        apart = []
-        for x, y in groups:
-            if x[0] <= u[1] and u[0] <= x[1] and y[0] <= v[1] and v[0] <= y[1]:
-                u, v = (min(x[0], u[0]), max(x[1], u[1])), (min(y[0], v[0]), max(y[1], v[1]))
-            else:
-                apart.append((x, y))
-        groups = [*apart, (u, v)]
-    return groups
 
 
 Point = tuple[FieldElement, FieldElement, FieldElement]

@@ -14,8 +14,8 @@ from functools import cached_property, cmp_to_key
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
 from firstcontact.contact.signs.conditions import Range, SignConditions
-from firstcontact.contact.signs.exclusion import Box, Span, survivors
-from firstcontact.contact.signs.shared_points import WIDE, Contact, NearContact, clusters, shared_points
+from firstcontact.contact.signs.exclusion import Box, Span, clusters, survivors
+from firstcontact.contact.signs.shared_points import WIDE, Contact, NearContact, shared_points
 from firstcontact.contact.signs.sheets import (
     FARTHEST,
     Reach,

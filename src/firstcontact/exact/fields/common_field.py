@@ -17,6 +17,7 @@ from firstcontact.exact.expressions import context
 from firstcontact.exact.fields.field_towers import pseudo_division, trimmed
 from firstcontact.exact.fields.number_field import FieldElement, NumberField, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
+from firstcontact.exact.polynomials import by_values
 
 if TYPE_CHECKING:
     from firstcontact.exact.ring import N
@@ -70,13 +71,17 @@ def _with_multiple(field: NumberField, f: Polynomial, k: int, lo: fmpq, hi: fmpq
     """The zeros with w = s + k r; None where some w does not generate both."""
     r = field.root
     g = _shifted(f, k)
-    norm = _in_w(_in_x(r.polynomial).resultant(g, "x"))[0]
+    minimal, rows = [fmpz_poly([c]) for c in r.polynomial.coeffs()], _in_w(g)
+    if by_values.is_quicker(len(minimal) - 1, len(rows) - 1):
+        norm = by_values.resultant(minimal, rows)
+    else:
+        norm = _in_w(_in_x(r.polynomial).resultant(g, "x"))[0]
     ends = (lo + k * r.lo, hi + k * r.hi)
     found: list[Adjoined] = []
     roots = real_roots(norm, *ends)
     if not roots:
         return found
-    line = _shared_line([fmpz_poly([c]) for c in r.polynomial.coeffs()], _in_w(g))
+    line = _shared_line(minimal, rows)
     if line is None:
         return None
     for w in roots:

@@ -17,6 +17,7 @@ from firstcontact.exact.fields.field_towers import TowerElement
 from firstcontact.exact.fields.number_field import NumberField
 from firstcontact.exact.fields.roots import FIRST_BITS, AlgebraicRoot, reversed_polynomial
 from firstcontact.exact.numbers import precision
+from firstcontact.exact.polynomials import by_values
 
 if TYPE_CHECKING:
     from firstcontact.exact.ring import E, N
@@ -105,6 +106,8 @@ def resultant(f: fmpz_mpoly, g: fmpz_mpoly, variable: str = "v") -> fmpz_poly:
         return fmpz_poly([0])
     m, n = f.degrees()[_index(variable)], g.degrees()[_index(variable)]
     other = "u" if variable == "v" else "v"
+    if by_values.is_quicker(m, n):
+        return by_values.resultant(rows(f, variable), rows(g, variable))
     if m and n:
         return univariate(f.resultant(g, variable), other)
     return univariate(f, other) ** n if m == 0 else univariate(g, other) ** m
@@ -112,9 +115,11 @@ def resultant(f: fmpz_mpoly, g: fmpz_mpoly, variable: str = "v") -> fmpz_poly:
 
 def discriminant(f: fmpz_mpoly, variable: str = "v") -> fmpz_poly:
     """That of f as a form in `variable`: zero where two of its zeros meet, at infinity included."""
-    other = "u" if variable == "v" else "v"
-    if f.degrees()[_index(variable)] < 2:
+    other, n = "u" if variable == "v" else "v", f.degrees()[_index(variable)]
+    if n < 2:
         return fmpz_poly([1])
+    if by_values.is_quicker(n, n - 1):
+        return by_values.discriminant(rows(f, variable))
     return univariate(f.discriminant(variable), other)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
 from firstcontact.exact.expressions import context
+from firstcontact.exact.polynomials import by_values
 from firstcontact.exact.polynomials.bivariate import factored
 
 NAMES = ("u", "v", "T")
@@ -64,12 +65,31 @@ def resultant(f: fmpz_mpoly, g: fmpz_mpoly, index: int) -> fmpz_mpoly:
     """Zero where f and g share a zero in one variable; of one without it, that one itself."""
     if degree(f, index) == 0 or degree(g, index) == 0:
         return f if degree(f, index) == 0 else g
+    left = _only_other(index, f, g)
+    if left is not None and by_values.is_quicker(degree(f, index), degree(g, index)):
+        return embedded(by_values.resultant(_rows(f, index, left), _rows(g, index, left)), left)
     return f.resultant(g, NAMES[index])
 
 
 def discriminant(f: fmpz_mpoly, index: int) -> fmpz_mpoly:
     """Zero where zeros of f in one variable meet."""
-    return f.discriminant(NAMES[index]) if degree(f, index) > 1 else RING.constant(1)
+    n, left = degree(f, index), _only_other(index, f)
+    if n < 2:
+        return RING.constant(1)
+    if left is not None and by_values.is_quicker(n, n - 1):
+        return embedded(by_values.discriminant(_rows(f, index, left)), left)
+    return f.discriminant(NAMES[index])
+
+
+def _only_other(index: int, *polynomials: fmpz_mpoly) -> int | None:
+    """The one variable beside that one in which they are; None where there are two, or none."""
+    used = [k for k in range(3) if k != index and any(degree(f, k) for f in polynomials)]
+    return used[0] if len(used) == 1 else None
+
+
+def _rows(f: fmpz_mpoly, index: int, left: int) -> list[fmpz_poly]:
+    """The coefficients of the powers of one variable, ascending, in the only other one."""
+    return [univariate(c, left) for c in coefficients(f, index)]
 
 
 class FactorSet:

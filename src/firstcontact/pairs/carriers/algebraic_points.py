@@ -14,6 +14,7 @@ from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 from firstcontact.exact.fields.field_towers import TowerElement
 from firstcontact.exact.fields.number_field import NumberField
 from firstcontact.exact.fields.roots import AlgebraicRoot
+from firstcontact.exact.polynomials import by_values
 from firstcontact.exact.polynomials.inertia import dot, times, value
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix
 from firstcontact.pairs.carriers.contact import (
@@ -90,6 +91,8 @@ def _norm(minimal: fmpz_poly, form: list[fmpz_poly]) -> fmpz_poly:
     f: dict[tuple[int, ...], Any] = {(k, j): c for k, p in enumerate(form) for j, c in enumerate(p.coeffs()) if c}
     if not f:
         return ZERO
+    if by_values.is_quicker(int(minimal.degree()), len(form) - 1) and not form[-1].is_zero():
+        return by_values.resultant([fmpz_poly([c]) for c in minimal.coeffs()], form)
     norm = _PLANE.from_dict(s).resultant(_PLANE.from_dict(f), "s").to_dict()
     found = [0] * (1 + max((j for _, j in norm), default=0))
     for (_, j), c in norm.items():
