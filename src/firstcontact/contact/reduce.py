@@ -64,7 +64,7 @@ def _model(body: Polyhedron) -> CompositeQuadric:
         plane = _plane(points, triangle, inner)
         if plane is not None:
             planes[plane].append(k)
-    if any(dot(plane.normal[:3], inner) + plane.normal[3] >= 0 for plane in planes):
+    if not planes or any(dot(plane.normal[:3], inner) + plane.normal[3] >= 0 for plane in planes):
         raise UnsupportedPair(f"{who} has no inner points, or is not convex; other polyhedra go by their triangles")
     _check_convex(body, list(planes), [points[i] for i in used], who)
     surfaces = list(planes)

@@ -20,6 +20,7 @@ from firstcontact.contact.mesh_model import exactly
 from firstcontact.contact.mesh_model.by_triangles import first, holds_model, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
+from firstcontact.contact.mesh_model.sole_pair import sole_pair
 from firstcontact.contact.mesh_model.tip_ways import TipWays, ways_of
 from firstcontact.contact.models.certified import bounded
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
@@ -88,7 +89,8 @@ def _reach(found: ContactIntervals) -> float:
 
 @ignoring_idle_turns
 def first_by_points(query: Query) -> FirstContact:
-    """The first contact as intervals tell it: with a point proved to be common at once after it, but no elements."""
+    """The first contact as intervals tell it: with a point proved to be common at once after it, and elements of a bare
+    point where no others are possible."""
     try:
         found = _sweep_of(query, query.work(), False).first()
     except Open as stopped:
@@ -96,10 +98,14 @@ def first_by_points(query: Query) -> FirstContact:
     if found is None:
         return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(), **query.shared)
     times = found.lo, found.hi
-    return FirstContact(
+    mesh_is_a = isinstance(shape_of(query.a), Polyhedron)
+    bodies = query.bodies if mesh_is_a else query.bodies[::-1]
+    named = sole_pair(bodies[0], bodies[1], mesh_is_a, times, found.point)
+    hit = FirstContact(
         Status.CONTACT, time=likely_time(times), time_interval=times, point=found.point, free_until=found.lo,
         stats=query.stats(), **query.shared,
     )  # fmt: skip
+    return replace(hit, **named)
 
 
 def _sweep_of(query: Query, work: Work, with_exact: bool) -> _MeshSweep:

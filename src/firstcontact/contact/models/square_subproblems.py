@@ -19,6 +19,7 @@ from flint import fmpq, fmpq_mat, fmpz_poly
 from firstcontact.body.solid.carriers import EnclosedPoint, Plane, QuarticCurve, doubles, upright
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
+from firstcontact.contact.models.common_box import Box, common_box
 from firstcontact.contact.models.moving_pair import Form, Pair, without_factor
 from firstcontact.contact.models.system_search import Solid, zeros_within
 from firstcontact.errors import UnsupportedPair
@@ -45,7 +46,6 @@ On = Collection[int] | None
 """Surfaces of a model: only features on these are looked at; None: all."""
 Near = tuple[Collection[int], Collection[int]]
 """The same of both."""
-BoxQ = tuple[tuple[fmpq, ...], tuple[fmpq, ...]]
 
 EDGE_SURFACE = "A = B = C = det(grad A, grad B, grad C) = 0"
 CROSSING = "A = B = C = D = 0"
@@ -147,7 +147,7 @@ class SquareSubproblem:
     view: View
     system: SquareSystem
     system_text: str
-    box: BoxQ
+    box: Box
 
     @cached_property
     def equation(self) -> Equation:
@@ -252,7 +252,7 @@ def features_on(features: Sequence[F], surfaces: On) -> Sequence[F]:
 
 
 def _of_edge(view: View, edge: Edge, near: On, quartics_too: bool) -> Iterator[SquareSubproblem]:
-    box = _box_of(view.own)
+    box = common_box(view.pair, view.moving)
     if box is None:
         raise UnsupportedPair(f"{edge.name}: no bound of its body is known; intersect it with a box")
     first = [view.own_forms[k] for k in edge.surfaces[:2]]
@@ -275,19 +275,10 @@ def _of_vertex(view: View, vertex: Vertex, point: EnclosedPoint, near: On) -> It
 
 
 def _task(
-    view: View, own: Feature, other: Feature, forms: list[Matrix], text: str, box: BoxQ
+    view: View, own: Feature, other: Feature, forms: list[Matrix], text: str, box: Box
 ) -> SquareSubproblem:
     a, b = (own, other) if view.moving else (other, own)
     return SquareSubproblem(view.pair, a, b, "degree 4", view, SquareSystem(forms), text, box)
-
-
-def _box_of(body: CompositeQuadric) -> BoxQ | None:
-    """A box that holds the body, with a little room; None where no bound is known."""
-    lo, hi = body.bounds()
-    if not np.all(np.isfinite([lo, hi])):
-        return None
-    room = 1e-6 * float(np.max(hi - lo))
-    return tuple(exact_value(x - room) for x in lo), tuple(exact_value(x + room) for x in hi)
 
 
 def _two_surfaces(body: CompositeQuadric, edge: Edge) -> list[int]:

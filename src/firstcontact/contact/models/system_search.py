@@ -9,14 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_poly
 
 from firstcontact.body.solid.csg import Tree, possible
-from firstcontact.exact.numbers import to_double
+from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix
 from firstcontact.exact.systems.square_systems import SquareSystem, Zero, certified
+
+T = TypeVar("T", float, fmpq)
 
 EPSILON = 4e-16
 """Twice the unit roundoff, and a little."""
@@ -31,6 +34,12 @@ OVERLAP = 1.02
 TRIES = 40
 """Boxes of one slab that stay small without a sure zero, for which Krawczyk's test is tried all the same."""
 CHUNK = 20_000
+CLOSE, DEEPEST = 1e-4, 3
+"""How wide the place of what is left may be, beside the share of u, where the search goes on there in a frame of its
+own; how often that is done."""
+REGULAR = 1e-6
+"""Least determinant of normals that are far enough from dependent to be solved with."""
+THREE = [0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]
 OPEN_ENOUGH = 4000
 """Open boxes of one slab after which the rest stays open too: zeros are not isolated there."""
 
@@ -69,8 +78,9 @@ def zeros_within(
     lo, hi = span
     for k in range(slabs):
         ends = lo + (hi - lo) * fmpq(k, slabs), lo + (hi - lo) * fmpq(k + 1, slabs)
-        slab = _Slab(system, solids, box, ends)
+        slab, known = _Slab(system, solids, box, ends), len(found.open)
         slab.search(found)
+        found.open[known:] = _stretches(found.open[known:], slab.frame.reach * exact_value(LEAST))
     return found
 
 
@@ -221,12 +231,14 @@ class _Slab:
         solids: Sequence[Solid],
         box: tuple[Sequence[fmpq], Sequence[fmpq]],
         ends: tuple[fmpq, fmpq],
+        depth: int = 0,
     ) -> None:
         lo, hi = box
+        self.depth = depth
         scale = max((b - a) / 2 for a, b in zip(lo, hi, strict=True))
         origin = tuple((a + b) / 2 for a, b in zip(lo, hi, strict=True))
         self.frame = _Frame(origin, scale, (ends[0] + ends[1]) / 2, (ends[1] - ends[0]) / 2)
-        self.system = system
+        self.system, self.given = system, solids
         self.forms = [_Form(form, self.frame) for form in system.forms]
         self.solids = [(s.tree, s.on, [None if k in s.on else _Form(f, self.frame) for k, f in enumerate(s.forms)])
                        for s in solids]  # fmt: skip
@@ -257,14 +269,30 @@ class _Slab:
                 elif least[k]:
                     given_up.append((middle[k], half[k]))
             rest = size >= LEAST
-            if rest.any():
+            closer = self._closer(middle[rest], half[rest]) if rest.any() and not pending else None
+            if closer is not None:
+                closer.search(found)
+            elif rest.any():
                 pending.append(_halves(middle[rest], half[rest], steep[rest]))
         found.boxes += looked
         for zero in owned:
             if not any(zero.is_same(other) for other in found.zeros):
                 found.zeros.append(zero)
-        for lo, hi in _stretches([(m[3] - h[3], m[3] + h[3]) for m, h in given_up]):
+        for lo, hi in _stretches([(m[3] - h[3], m[3] + h[3]) for m, h in given_up], LEAST):
             found.open.append((self._u(lo), self._u(hi)))
+
+    def _closer(self, middle: np.ndarray, half: np.ndarray) -> _Slab | None:
+        """The search of the box around those that are left, where they are at one place but at many u: there equations
+        have the digits that tell u, however short the motion."""
+        lo, hi = (middle - half).min(axis=0).tolist(), (middle + half).max(axis=0).tolist()
+        if self.depth == DEEPEST or max(y - x for x, y in zip(lo[:3], hi[:3], strict=True)) > CLOSE * (hi[3] - lo[3]):
+            return None
+        f = self.frame
+        first, last = (
+            tuple(o + f.scale * fmpq(*c.as_integer_ratio()) for o, c in zip(f.origin, corner[:3], strict=True))
+            for corner in (lo, hi)
+        )
+        return _Slab(self.system, self.given, (first, last), (self._u(lo[3]), self._u(hi[3])), self.depth + 1)
 
     def _u(self, v: float) -> fmpq:
         return self.frame.middle + self.frame.reach * fmpq(*float(v).as_integer_ratio())
@@ -326,11 +354,11 @@ class _Slab:
         return zero is not None
 
 
-def _stretches(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Their union, overlapping ones (and those less than LEAST apart) as one."""
-    joined: list[tuple[float, float]] = []
+def _stretches(intervals: list[tuple[T, T]], gap: T) -> list[tuple[T, T]]:
+    """Their union, overlapping ones (and those less than the gap apart) as one."""
+    joined: list[tuple[T, T]] = []
     for lo, hi in sorted(intervals):
-        if joined and lo <= joined[-1][1] + LEAST:
+        if joined and lo <= joined[-1][1] + gap:
             joined[-1] = joined[-1][0], max(hi, joined[-1][1])
         else:
             joined.append((lo, hi))
@@ -354,8 +382,6 @@ def _narrowed(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Boxes cut to what the linear parts leave; which are not empty; each side's weight for splitting; which hold a
     zero by Brouwer's theorem, since what is left lies inside.
-
-    A zero d has G d = -c - r, so d = Y (-c - r) + (1 - Y G) d for any Y.
     """
     c = np.stack([m.value for m in models], axis=1)
     g = np.stack([m.slope for m in models], axis=1)
@@ -366,24 +392,57 @@ def _narrowed(
     scaled = g * half[:, None, :]
     norms = np.linalg.norm(scaled, axis=2, keepdims=True)
     scaled = scaled / np.maximum(norms, 1e-300)
-    regular = np.abs(np.linalg.det(scaled)) > 1e-6 if len(g) else np.zeros(0, bool)
-    keep = np.ones(len(middle), bool)
+    regular = np.abs(np.linalg.det(scaled)) > REGULAR if len(g) else np.zeros(0, bool)
     inner = np.zeros(len(middle), bool)
-    if not regular.any():
-        return middle, half, keep, weight, inner
-    y = np.linalg.inv(g[regular])
-    at = -np.einsum("nij,nj->ni", y, c[regular])
-    size = np.abs(y)
-    off = np.abs(np.eye(4) - y @ g[regular]) + 16 * EPSILON * (size @ np.abs(g[regular]))
-    spread = np.einsum("nij,nj->ni", size, r[regular] + 16 * EPSILON * np.abs(c[regular]))
-    spread = (spread + np.einsum("nij,nj->ni", off, half[regular])) * (1 + 1e-12)
-    h = half[regular]
-    inner[regular] = np.all(np.abs(at) + spread < h, axis=1)
-    lo, hi = np.maximum(at - spread, -h), np.minimum(at + spread, h)
-    keep[regular] = np.all(lo <= hi, axis=1)
-    lo, hi = np.minimum(lo, hi), np.maximum(lo, hi)
-    middle, half = middle.copy(), half.copy()
-    new = middle[regular] + (lo + hi) / 2
-    half[regular] = (hi - lo) / 2 * (1 + 1e-12) + 4 * EPSILON * (1 + np.abs(new))
-    middle[regular] = new
+    half, middle, keep = half.copy(), middle.copy(), np.ones(len(middle), bool)
+    if regular.any():
+        at, spread = _solved(g[regular], c[regular], r[regular], half[regular])
+        inner[regular] = np.all(np.abs(at) + spread < half[regular], axis=1)
+        keep[regular], middle[regular], half[regular] = _cut(at, spread, middle[regular], half[regular])
+    flat = np.flatnonzero(~regular)
+    if len(flat):
+        _narrow_places(flat, (g, c, r), middle, half, keep)
     return middle, half, keep, weight, inner
+
+
+def _narrow_places(
+    flat: np.ndarray, models: tuple[np.ndarray, np.ndarray, np.ndarray], middle: np.ndarray, half: np.ndarray,
+    keep: np.ndarray,
+) -> None:  # fmt: skip
+    """Cut boxes `flat` in x, y and z alone, by three of the equations for all u of each.
+
+    So it is where the motion is too short for the equations to change much: u is told last, when the place is.
+    """
+    g, c, r = (m[flat] for m in models)
+    scaled = g[:, :, :3] * half[flat, None, :3]
+    scaled /= np.maximum(np.linalg.norm(scaled, axis=2, keepdims=True), 1e-300)
+    volumes = np.stack([np.abs(np.linalg.det(scaled[:, rows])) for rows in THREE], axis=1)
+    best = np.argmax(volumes, axis=1)
+    sharp = volumes[np.arange(len(flat)), best] > REGULAR
+    if not sharp.any():
+        return
+    rows, some, which = np.array(THREE)[best[sharp]], np.flatnonzero(sharp)[:, None], flat[sharp]
+    g, c, r = g[some, rows], c[some, rows], r[some, rows]
+    at, spread = _solved(g[:, :, :3], c, r + np.abs(g[:, :, 3]) * half[which, None, 3], half[which, :3])
+    keep[which], middle[which, :3], half[which, :3] = _cut(at, spread, middle[which, :3], half[which, :3])
+
+
+def _solved(g: np.ndarray, c: np.ndarray, r: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(m, s): every d within half with |g d + c| <= r lies in m +- s, for d = Y (-c - r) + (1 - Y g) d for any Y."""
+    y = np.linalg.inv(g)
+    at = -np.einsum("nij,nj->ni", y, c)
+    size = np.abs(y)
+    off = np.abs(np.eye(g.shape[1]) - y @ g) + 16 * EPSILON * (size @ np.abs(g))
+    spread = np.einsum("nij,nj->ni", size, r + 16 * EPSILON * np.abs(c))
+    return at, (spread + np.einsum("nij,nj->ni", off, half)) * (1 + 1e-12)
+
+
+def _cut(
+    at: np.ndarray, spread: np.ndarray, middle: np.ndarray, half: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Boxes cut with at +- spread about their middles: which are not empty, their middles and halves."""
+    lo, hi = np.maximum(at - spread, -half), np.minimum(at + spread, half)
+    keep = np.all(lo <= hi, axis=1)
+    lo, hi = np.minimum(lo, hi), np.maximum(lo, hi)
+    new = middle + (lo + hi) / 2
+    return keep, new, (hi - lo) / 2 * (1 + 1e-12) + 4 * EPSILON * (1 + np.abs(new))

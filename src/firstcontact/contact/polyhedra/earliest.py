@@ -346,7 +346,7 @@ class _Search:
 
     def _decide(self, pair: Pair, lo: float, sure_until: float | None = None) -> None:
         """The exact time of the pair; a contact shortens the walk.  sure_until: it is certainly in [lo, sure_until]."""
-        if pair in self.decided:
+        if pair in self.decided or pair in self.doubtful:  # boxes of a wide element ask more than once
             return
         self.found.exact += 1
         answer = self._contact_and_bound(pair, lo, sure_until)

@@ -13,7 +13,7 @@ from flint import fmpq
 
 from firstcontact.contact.polyhedra.doubts import Doubt, settled
 from firstcontact.contact.polyhedra.earliest import Problem, Window
-from firstcontact.exact.numbers import Undecidable, below
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, below, precision
 from firstcontact.exact.times.instants import RationalInstant
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.search.trees.containment import contained_at, decide
@@ -88,11 +88,12 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
             wide += any(doubt.is_wide(_in_balls(problem).length) for doubt in open_times)
             if wide == MOST_WIDE:
                 raise Undecidable
-        answer.windows, open_from = _settled(problem, items, doubts)
-        if open_from is not None:
-            answer.open, answer.until = "precision", below(open_from)
-        if problem.a.solid or problem.b.solid:
-            answer.windows = _with_containment(problem, answer.windows, open_from)
+        with precision(PRECISIONS[-1]):  # ends that balls tell to many digits lose none
+            answer.windows, open_from = _settled(problem, items, doubts)
+            if open_from is not None:
+                answer.open, answer.until = "precision", below(open_from)
+            if problem.a.solid or problem.b.solid:
+                answer.windows = _with_containment(problem, answer.windows, open_from)
     except Undecidable:
         answer.open = "precision"
     except Spent:

@@ -158,7 +158,7 @@ class CurvedPiece:
         if not isinstance(before, CurvedPiece):
             return False
         return (self.leg_a, self.leg_b) == (before.leg_a, before.leg_b) or all(
-            _continues(mine.place(self.start), theirs.place(before.end), mine.motion)
+            mine.place(self.start).factors == theirs.place(before.end).factors  # one pose, whether rational or not
             for mine, theirs in ((self.leg_a, before.leg_a), (self.leg_b, before.leg_b))
         )
 
@@ -184,14 +184,6 @@ def _fixed_image(motion: RationalMotion, v: Vector) -> Vector | None:
     images = [_turned(m, v) for m in motion.coefficients]
     first = next((x for x in images if any(x)), None)
     return None if first is None or any(any(cross(first, x)) for x in images) else first
-
-
-def _continues(here: Placement, there: Placement, motion: AnyMotion) -> bool:
-    """Whether the pose in which a motion starts is the one in which that before it ended.
-
-    A mechanism's clock goes on from one stretch to the next, whatever the pose.
-    """
-    return here.factors == there.factors and (here.is_exact or isinstance(motion, Product))
 
 
 def turning_axes(motion: AnyMotion) -> list[Vector]:

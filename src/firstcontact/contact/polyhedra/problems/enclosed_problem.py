@@ -35,6 +35,7 @@ from firstcontact.exact.times.instants import RationalInstant, enclose
 from firstcontact.exact.vectors import Vector, cross, sub
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.relative.curved import CurvedPiece, inverse, terms
+from firstcontact.motion.relative.kept_heights import Heights, Times, heights_in, times_level
 from firstcontact.pairs.elements import moving
 from firstcontact.result import ExactTime
 from firstcontact.search.trees import curve, curve_windows
@@ -94,6 +95,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         self._kept_poses: dict[tuple[fmpq, fmpq, int], list[tuple[Rows, Rows]]] = {}
         self._poses_at: dict[fmpq, tuple[Rows, Rows, bool] | None] = {}
         self._directions: dict[tuple[Any, ...], Vector | None] = {}
+        self._heights: dict[int, tuple[Heights, Heights] | None] = {}
 
     @cached_property
     def _generic(self) -> tuple[Rows, Rows] | None:
@@ -220,7 +222,10 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         lasting: as `_lasting` tells.  doubts: takes the times that are left open.
         Undecidable, without a place for doubts, carries a double before which there certainly is none.
         """
-        waiting, looks = [(lo, hi)], 0
+        level = self._level(pair, lo, hi)
+        if level is None:
+            return []
+        waiting, looks = [level], 0
         most, least = _MOST_LOOKS, fmpq(1, 2 ** (ctx.prec // 2)) * self.length
         if doubts is not None:
             most, least = _FEW_LOOKS, WIDEST / 16 * self.length
@@ -251,6 +256,16 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
             elif found is not None:
                 out.append(found)
         return out
+
+    def _level(self, pair: Corners, lo: fmpq, hi: fmpq) -> Times | None:
+        """The part of a time in which two elements may share a height along a direction that the motion keeps, with a
+        little room for a root at its end; None where they never do."""
+        if ctx.prec not in self._heights:
+            self._heights[ctx.prec] = heights_in(self.piece) if self.is_exact else None
+        heights = self._heights[ctx.prec]
+        level = (lo, hi) if heights is None else times_level(heights, pair, lo, hi)
+        room = self.length / 2 ** (ctx.prec // 2)
+        return None if level is None else (level[0] - room, level[1] + room)
 
     def _keep_apart(self, pair: Corners, left: fmpq, right: fmpq) -> bool:
         """Whether a plane along the second of two edges parts them from left to right: edges that become parallel lie
@@ -482,9 +497,14 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
     ) -> tuple[list[tuple[RationalInstant, RationalInstant]], list[Doubt]]:
         """(times in which two primitives certainly meet, times in which it is left open when they do)."""
         a, b = Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b)
+        with precision(_COARSE):
+            level = self._level((a.corners, b.corners), fmpq(0), self.length)
+        if level is None:
+            return [], []
+        first, last = self._within(*level)
         ids = ids_of(self.tree_a, primitive_a), ids_of(self.tree_b, primitive_b)
         stretches: list[tuple[fmpq, fmpq]] = []
-        doubts = [Doubt(time, time, False) for time in (fmpq(0), self.length)]
+        doubts = [Doubt(time, time, False) for time in (first, last)]
         pairs = self._without_parallel(a, b, element_pairs(a, ids[0], b, ids[1]))
         with precision(_COARSE):
             for lo, hi in self._open_times(a, b):
@@ -499,7 +519,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         for more, _ in refined:
             windows += more
         doubts = [doubt for _, left in refined for doubt in left]
-        for time in (fmpq(0), self.length):
+        for time in (first, last):
             if self._certainly_meet(a, b, self._pose_at(time + self.piece.start)):
                 windows.append((RationalInstant(time), RationalInstant(time)))
         return windows, doubts
