@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from flint import arb
@@ -24,6 +24,9 @@ from firstcontact.kernels.poses import accelerations, pose_at
 from firstcontact.kernels.workspace import HERE_A, SPEED, SPREAD, workspace
 from firstcontact.motion.relative.stretches import Window
 
+if TYPE_CHECKING:
+    from firstcontact.exact.vectors import Vector
+
 BITS = 128
 ROUNDS = 20
 """Of the search for a deeper point."""
@@ -35,11 +38,32 @@ SIGNS = np.array([x for x in product((-1.0, 0.0, 1.0), repeat=3) if any(x)])
 GROWTH, SHRINKAGE = 2.0, 0.25
 TIP, TIP_DEPTHS = 1e-3, 20
 """Parts of its coordinates as near as which a point is about an apex, and how often a quarter of that is tried."""
+INSIDE = 1e-9
+"""Of its coordinates: an apex that doubles take for one that is no farther outside a body is asked for exactly."""
 
 
 P = TypeVar("P")
 Pose = tuple[np.ndarray, np.ndarray]
 """Linear part (3, 3) and shift (3,)."""
+
+
+class Tip(NamedTuple):
+    """The apex of a model's cone, exact, and the unit way along its axis; owned: whether the model holds it."""
+
+    point: Vector
+    way: np.ndarray
+    owned: bool
+
+    @property
+    def place(self) -> np.ndarray:
+        return np.array([to_double(x) for x in self.point])
+
+
+class OwnTip(NamedTuple):
+    """As a common point: an apex that body `side` holds at all times, so that only the other one has to be asked."""
+
+    side: int
+    tip: Tip
 
 
 class Solid:
@@ -51,8 +75,7 @@ class Solid:
             self.exact = [[[arb(c) for c in row] for row in s.matrix()] for s in model.surfaces]
         self.forms = _normalised(model)
         cones = [x for x in model.surfaces if isinstance(x, Quadric) and x.apex is not None]
-        self.tips = [_tip(x) for x in cones]
-        """Apexes of its cones, and unit ways along their axes."""
+        self.tips = [_tip(x, model) for x in cones]
 
     def holds(self, x: Sequence[arb], moved: Sequence[arb] | None = None) -> bool:
         """Whether the model holds x (in its frame), and all points that far from it."""
@@ -208,8 +231,13 @@ class Lasting(Generic[P]):
         return self.scratch[SPEED].copy(), self.scratch[SPREAD].copy()
 
 
-class LastingOfModels(Lasting[np.ndarray]):
-    """Two models: a world point, fixed in either of them."""
+class LastingOfModels(Lasting["np.ndarray | OwnTip"]):
+    """Two models: a world point, fixed in either of them, or the tip of a cone.
+
+    Doubles tell little of points next to tips: there a cone's form falls with the square of the distance, below what
+    rounding leaves of it.  The tip itself is exact and its body holds it, however sharp; of the other body it is a
+    point like any.
+    """
 
     def __init__(self, a: Solid, b: Solid) -> None:
         super().__init__()
@@ -219,7 +247,9 @@ class LastingOfModels(Lasting[np.ndarray]):
 
     # -- the proof ------------------------------------------------------------------------------------------
 
-    def follow(self, window: Window, t: float, end: float, point: np.ndarray) -> np.ndarray | None:
+    def follow(self, window: Window, t: float, end: float, point: np.ndarray | OwnTip) -> np.ndarray | None:
+        if isinstance(point, OwnTip):
+            return self.place(window, end, point) if self._tip_stays(window, t, end, point) else None
         for side in (0, 1):
             if self.stays(window, t, end, side, point):
                 m = (window.a, window.b)[side]
@@ -227,8 +257,12 @@ class LastingOfModels(Lasting[np.ndarray]):
                 return linear(q) @ np.linalg.solve(linear(p), point - p[9:12]) + q[9:12]
         return None
 
-    def place(self, window: Window, t: float, point: np.ndarray) -> np.ndarray:
-        return point
+    def place(self, window: Window, t: float, point: np.ndarray | OwnTip) -> np.ndarray:
+        if not isinstance(point, OwnTip):
+            return point
+        p = self.pose((window.a, window.b)[point.side], t)
+        place: np.ndarray = linear(p) @ point.tip.place + p[9:12]
+        return place
 
     def is_shared(self, window: Window, t: float, point: np.ndarray) -> bool:
         """Whether the point is proved to be in both models at t."""
@@ -236,16 +270,22 @@ class LastingOfModels(Lasting[np.ndarray]):
 
     def stays(self, window: Window, t: float, end: float, side: int, point: np.ndarray) -> bool:
         """Whether the point, fixed in model `side`, is proved to be in both models over [t, end]."""
+        p = self.pose((window.a, window.b)[side], t)
+        with precision(BITS):
+            x = [arb(c) for c in np.linalg.solve(linear(p), point - p[9:12]).tolist()]
+            return self.solids[side].holds(x) and self._other_holds(window, t, end, side, x)
+
+    def _tip_stays(self, window: Window, t: float, end: float, point: OwnTip) -> bool:
+        with precision(BITS):
+            return self._other_holds(window, t, end, point.side, [arb(c) for c in point.tip.point])
+
+    def _other_holds(self, window: Window, t: float, end: float, side: int, x: list[arb]) -> bool:
+        """Whether the point x of model `side`, in its frame, is proved to be in the other one over [t, end]."""
         own, other = (window.a, window.b) if side == 0 else (window.b, window.a)
         p, q = self.pose(own, t), self.pose(other, t)
-        x = np.linalg.solve(linear(p), point - p[9:12])
-        y = np.linalg.solve(linear(q), linear(p) @ x + p[9:12] - q[9:12])
-        with precision(BITS):
-            here = [arb(c) for c in x.tolist()]
-            if not self.solids[side].holds(here):
-                return False
-            there = [arb(c) for c in y.tolist()]
-            return self.solids[1 - side].holds(there, self.drift(own, other, t, end, here, y))
+        place = linear(p) @ [float(c) for c in x] + p[9:12]
+        y = np.linalg.solve(linear(q), place - q[9:12])
+        return self.solids[1 - side].holds([arb(c) for c in y.tolist()], self.drift(own, other, t, end, x, y))
 
     # -- points ---------------------------------------------------------------------------------------------
 
@@ -253,19 +293,35 @@ class LastingOfModels(Lasting[np.ndarray]):
         """From samples of their boxes."""
         return self.deepest(window, t, self._samples(self._poses(window, t)))
 
-    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
-        found = self._deep(self._placed(self._poses(window, t)), seeds)
-        return next((point for point in found if self.is_shared(window, t, point)), None)
+    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | OwnTip | None:
+        return next(self.each_held(window, t, seeds), None)
 
-    def each_held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
-        yield from super().each_held(window, t, seeds)
+    def each_held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray | OwnTip]:
+        poses = self._poses(window, t)
+        found = self._deep(self._placed(poses), seeds)
+        deep = next((point for point in found if self.is_shared(window, t, point)), None)
+        if deep is not None:
+            yield deep
+        yield from (tip for tip in self._tips(poses) if self._tip_stays(window, t, t, tip))
         yield from self._below_tips(window, t, seeds)
+
+    def _tips(self, poses: list[Pose]) -> Iterator[OwnTip]:
+        """Those that doubles do not take for outside the other model."""
+        for side, (turned, shift) in enumerate(poses):
+            owned = [tip for tip in self.solids[side].tips if tip.owned]
+            if not owned:
+                continue
+            x = np.array([turned @ tip.place + shift for tip in owned])
+            other = self.solids[1 - side]
+            heights = other.height(other.placed(*poses[1 - side]), np.zeros(3), x)
+            near = heights <= INSIDE * np.abs(x).max(axis=1)
+            yield from (OwnTip(side, tip) for tip, here in zip(owned, near, strict=True) if here)
 
     def _below_tips(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
         """Points on axes of cones, half as far from their apexes as common points go: there doubles tell no depth."""
         for solid, (turned, shift) in zip(self.solids, self._poses(window, t), strict=True):
-            for apex, way in solid.tips:
-                tip, along = turned @ apex + shift, turned @ way
+            for apex in solid.tips:
+                tip, along = turned @ apex.place + shift, turned @ apex.way
                 near = TIP * float(np.abs(tip).max() + np.linalg.norm(along))
                 if min((float(np.abs(x - tip).max()) for x in seeds), default=np.inf) > near:
                     continue
@@ -392,11 +448,12 @@ def tree_height(tree: Tree, values: np.ndarray) -> np.ndarray:
     return np.maximum(first, second) if isinstance(tree, And) else np.minimum(first, second)
 
 
-def _tip(cone: Quadric) -> tuple[np.ndarray, np.ndarray]:
+def _tip(cone: Quadric, model: CompositeQuadric) -> Tip:
     """Its apex, and the unit way along which it goes deepest into the cone."""
     assert cone.apex is not None
+    x, y, z = cone.apex[:3]
     form = np.array([[to_double(x) for x in row[:3]] for row in cone.form[:3]])
-    return np.array([to_double(x) for x in cone.apex[:3]]), np.linalg.eigh(form)[1][:, 0]
+    return Tip((x, y, z), np.linalg.eigh(form)[1][:, 0], model.contains_exactly((x, y, z)))
 
 
 def _normalised(model: CompositeQuadric) -> np.ndarray:
