@@ -13,13 +13,13 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
-from flint import arb
+from flint import arb, fmpq
 
 from firstcontact.body.solid.carriers import Quadric
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import And, Leaf, Not, Tree, possible
 from firstcontact.exact.numbers import precision, to_double
-from firstcontact.exact.rigid import inverse_map
+from firstcontact.exact.rigid import inverse_map, to_origin
 from firstcontact.kernels.poses import accelerations, pose_at
 from firstcontact.kernels.workspace import HERE_A, SPEED, SPREAD, workspace
 from firstcontact.motion.relative.stretches import Window
@@ -67,13 +67,20 @@ class OwnTip(NamedTuple):
 
 
 class Solid:
-    """A model as the proof reads it: its forms exact, and in doubles with gradients of about 1 around it."""
+    """A model as the proof reads it: its forms exact, and in doubles.
+
+    centres: (n, 3) the points about which the latter are told, where little cancels: apexes of cones, else its middle.
+    """
+
+    own = np.eye(4)
+    """Where it stands, as `placed` tells it."""
 
     def __init__(self, model: CompositeQuadric) -> None:
         self.model = model
         with precision(BITS):
             self.exact = [[[arb(c) for c in row] for row in s.matrix()] for s in model.surfaces]
-        self.forms = _normalised(model)
+        self.centres, self.forms = _about_centres(model)
+        self.bends = np.linalg.norm(self.forms[:, :3, :3], axis=(1, 2))
         cones = [x for x in model.surfaces if isinstance(x, Quadric) and x.apex is not None]
         self.tips = [_tip(x, model) for x in cones]
 
@@ -92,27 +99,47 @@ class Solid:
         return not possible(self.model.tree, below, above)[1]
 
     def placed(self, linear: np.ndarray, shift: np.ndarray) -> np.ndarray:
-        """The scaled forms in the frame in which a point x of the model is at linear x + shift."""
+        """The map (4, 4) to its own frame from that in which a point x of the model is at linear x + shift."""
         back = np.eye(4)
         back[:3, :3] = np.linalg.inv(linear)
         back[:3, 3] = -back[:3, :3] @ shift
-        return back.T @ self.forms @ back
+        return back
 
-    def height(self, forms: np.ndarray, centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """(n,) about how far the points centre + steps (n, 3) are from inside, negative inside; forms: as placed."""
-        image = forms @ np.append(centre, 1.0)
-        value = image[:, :3] @ centre + image[:, 3]
-        bent = np.einsum("sni,ni->sn", steps @ forms[:, :3, :3], steps)
-        return tree_height(self.model.tree, value[:, None] + 2.0 * image[:, :3] @ steps.T + bent)
+    def height(self, back: np.ndarray, centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """(n,) about how far the points centre + steps (n, 3) are from inside, negative inside; back: as placed."""
+        turned = steps @ back[:3, :3].T
+        value, slopes = self._at(back, centre)
+        turns = turned @ self.forms[:, :3, :3]
+        values = value[:, None] + 2.0 * slopes @ turned.T + np.einsum("sni,ni->sn", turns, turned)
+        return tree_height(self.model.tree, values / self._scale(values, slopes[:, None] + turns))
 
-    def slopes(self, forms: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def slopes(self, back: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n,) about how far the point is from each surface, and (n, 3) directions in which that grows."""
-        image = forms @ np.append(point, 1.0)
-        return image[:, :3] @ point + image[:, 3], image[:, :3]
+        value, slopes = self._at(back, point)
+        scale = self._scale(value[:, None], slopes[:, None])
+        return value / scale[:, 0], slopes / scale @ back[:3, :3]
 
-    def values(self, forms: np.ndarray, points: np.ndarray) -> np.ndarray:
+    def values(self, back: np.ndarray, points: np.ndarray) -> np.ndarray:
         """(n, m) of each surface at m homogeneous points, about how far they are from it."""
-        found: np.ndarray = np.einsum("ni,fij,nj->fn", points, forms, points, optimize=True)
+        x = np.ones((len(self.forms), len(points), 4))
+        x[:, :, :3] = (points @ back.T)[:, :3] - self.centres[:, None]
+        image = x @ self.forms
+        values = (image * x).sum(axis=2)
+        found: np.ndarray = values / self._scale(values, image[:, :, :3])
+        return found
+
+    def _at(self, back: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of each surface, in the model's frame: value and half the gradient at a point."""
+        x = back[:3, :3] @ point + back[:3, 3] - self.centres
+        slopes = np.einsum("sij,sj->si", self.forms[:, :3, :3], x) + self.forms[:, :3, 3]
+        value: np.ndarray = ((slopes + self.forms[:, :3, 3]) * x).sum(axis=1) + self.forms[:, 3, 3]
+        return value, slopes
+
+    def _scale(self, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """(n, m) what values of forms are over distances: v = 2 g d + a d^2 for half the gradient g and the bend a,
+        which holds next to tips too, where g is next to nothing."""
+        square = (slopes * slopes).sum(axis=2)
+        found: np.ndarray = np.sqrt(square) + np.sqrt(square + self.bends[:, None] * np.abs(values)) + 1e-300
         return found
 
     def samples(self) -> np.ndarray:
@@ -265,8 +292,8 @@ class LastingOfModels(Lasting["np.ndarray | OwnTip"]):
         return place
 
     def is_shared(self, window: Window, t: float, point: np.ndarray) -> bool:
-        """Whether the point is proved to be in both models at t."""
-        return self.stays(window, t, t, 0, point)
+        """Whether the point is proved to be in both models at t: fixed in either, whichever loses less by rounding."""
+        return any(self.stays(window, t, t, side, point) for side in (0, 1))
 
     def stays(self, window: Window, t: float, end: float, side: int, point: np.ndarray) -> bool:
         """Whether the point, fixed in model `side`, is proved to be in both models over [t, end]."""
@@ -332,12 +359,12 @@ class LastingOfModels(Lasting["np.ndarray | OwnTip"]):
 
     def rough(self, poses: Sequence[Pose], seeds: Sequence[np.ndarray]) -> np.ndarray | None:
         """A point that doubles take for one inside both models in these poses: below the best of seeds and samples."""
-        forms = self._placed(poses)
+        maps = self._placed(poses)
         points = np.array([*seeds, *self._samples(poses)])
         if not len(points):
             return None
-        best = int(np.argmin(self._height(forms, np.zeros(3), points)))
-        return next(self._deep(forms, [points[best]]), None)
+        best = int(np.argmin(self._height(maps, np.zeros(3), points)))
+        return next(self._deep(maps, [points[best]]), None)
 
     def _samples(self, poses: Sequence[Pose]) -> list[np.ndarray]:
         """Points of the models' boxes in these poses, where both are deepest."""
@@ -346,19 +373,19 @@ class LastingOfModels(Lasting["np.ndarray | OwnTip"]):
         ])  # fmt: skip
         return list(x[np.argsort(self._height(self._placed(poses), np.zeros(3), x))[:4]])
 
-    def _deep(self, forms: list[np.ndarray], seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+    def _deep(self, maps: list[np.ndarray], seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
         """Points that seem to be inside both models, deep below the seeds."""
         for seed in seeds:
             point, depth = descended(
-                lambda x, steps: self._height(forms, x, steps), lambda x: self._directions(forms, x),
+                lambda x, steps: self._height(maps, x, steps), lambda x: self._directions(maps, x),
                 np.asarray(seed, float),
             )  # fmt: skip
             if depth < 0.0:
                 yield point
 
-    def _directions(self, forms: list[np.ndarray], point: np.ndarray) -> np.ndarray:
+    def _directions(self, maps: list[np.ndarray], point: np.ndarray) -> np.ndarray:
         """(n, 3) unit: fixed ones, and across and away from the nearest surfaces."""
-        told = [solid.slopes(form, point) for solid, form in zip(self.solids, forms, strict=True)]
+        told = [solid.slopes(back, point) for solid, back in zip(self.solids, maps, strict=True)]
         values, rows = (np.concatenate(parts) for parts in zip(*told, strict=True))
         near = np.argsort(np.abs(values))[:3]
         lengths = np.linalg.norm(rows[near], axis=1, keepdims=True)
@@ -373,12 +400,12 @@ class LastingOfModels(Lasting["np.ndarray | OwnTip"]):
         return [(linear(pose), pose[9:12]) for pose in poses]
 
     def _placed(self, poses: Sequence[Pose]) -> list[np.ndarray]:
-        """The scaled forms of both models in these poses."""
+        """The maps to both models' frames in these poses."""
         return [s.placed(*pose) for s, pose in zip(self.solids, poses, strict=True)]
 
-    def _height(self, forms: list[np.ndarray], centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    def _height(self, maps: list[np.ndarray], centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """(n,) about how far the points centre + steps are from inside both models, negative inside."""
-        return np.maximum(*(s.height(form, centre, steps) for s, form in zip(self.solids, forms, strict=True)))
+        return np.maximum(*(s.height(back, centre, steps) for s, back in zip(self.solids, maps, strict=True)))
 
 
 def _all(known: list[P], more: Iterator[P]) -> Iterator[P]:
@@ -456,10 +483,16 @@ def _tip(cone: Quadric, model: CompositeQuadric) -> Tip:
     return Tip((x, y, z), np.linalg.eigh(form)[1][:, 0], model.contains_exactly((x, y, z)))
 
 
-def _normalised(model: CompositeQuadric) -> np.ndarray:
-    """(n, 4, 4) forms of gradients of about 1 around the model."""
-    lo, hi = (np.clip(x, -1e6, 1e6) for x in model.bounds())
-    corners = np.array([[x, y, z] for x in (lo[0], hi[0]) for y in (lo[1], hi[1]) for z in (lo[2], hi[2])])
-    points = np.column_stack([corners, np.ones(8)])
-    gradients = np.linalg.norm(2.0 * np.einsum("sij,nj->sni", model.forms, points)[:, :, :3], axis=2)
-    return model.forms / np.maximum(np.median(gradients, axis=1), 1e-300)[:, None, None]
+def _about_centres(model: CompositeQuadric) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 3), and forms (n, 4, 4) of the way from them."""
+    by = (fmpq(0),) * 3
+    if model.bounded:
+        lo, hi = model.bounds()
+        by = to_origin((0.5 * (lo + hi)).tolist(), float((hi - lo).max()))
+    moved = model.translated(by) if any(by) else model
+    forms, centres = moved.forms.copy(), np.tile([-to_double(x) for x in by], (len(moved.forms), 1))
+    for k, surface in enumerate(model.surfaces):
+        if isinstance(surface, Quadric) and surface.apex is not None:
+            centres[k] = [to_double(x) for x in surface.apex[:3]]
+            forms[k, 3] = forms[k, :, 3] = 0.0
+    return centres, forms
