@@ -10,19 +10,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
-from flint import arb
+from flint import arb, fmpq
 
 from firstcontact.body.solid.carriers import Quadric
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import And, Leaf, Not, Tree, possible
 from firstcontact.exact.numbers import precision, to_double
-from firstcontact.exact.rigid import inverse_map
+from firstcontact.exact.rigid import inverse_map, to_origin
 from firstcontact.kernels.poses import accelerations, pose_at
 from firstcontact.kernels.workspace import HERE_A, SPEED, SPREAD, workspace
 from firstcontact.motion.relative.stretches import Window
+
+if TYPE_CHECKING:
+    from firstcontact.exact.vectors import Vector
 
 BITS = 128
 ROUNDS = 20
@@ -35,6 +38,8 @@ SIGNS = np.array([x for x in product((-1.0, 0.0, 1.0), repeat=3) if any(x)])
 GROWTH, SHRINKAGE = 2.0, 0.25
 TIP, TIP_DEPTHS = 1e-3, 20
 """Parts of its coordinates as near as which a point is about an apex, and how often a quarter of that is tried."""
+INSIDE = 1e-9
+"""Of its coordinates: an apex that doubles take for one that is no farther outside a body is asked for exactly."""
 
 
 P = TypeVar("P")
@@ -42,17 +47,42 @@ Pose = tuple[np.ndarray, np.ndarray]
 """Linear part (3, 3) and shift (3,)."""
 
 
+class Tip(NamedTuple):
+    """The apex of a model's cone, exact, and the unit way along its axis; owned: whether the model holds it."""
+
+    point: Vector
+    way: np.ndarray
+    owned: bool
+
+    @property
+    def place(self) -> np.ndarray:
+        return np.array([to_double(x) for x in self.point])
+
+
+class OwnTip(NamedTuple):
+    """As a common point: an apex that body `side` holds at all times, so that only the other one has to be asked."""
+
+    side: int
+    tip: Tip
+
+
 class Solid:
-    """A model as the proof reads it: its forms exact, and in doubles with gradients of about 1 around it."""
+    """A model as the proof reads it: its forms exact, and in doubles.
+
+    centres: (n, 3) the points about which the latter are told, where little cancels: apexes of cones, else its middle.
+    """
+
+    own = np.eye(4)
+    """Where it stands, as `placed` tells it."""
 
     def __init__(self, model: CompositeQuadric) -> None:
         self.model = model
         with precision(BITS):
             self.exact = [[[arb(c) for c in row] for row in s.matrix()] for s in model.surfaces]
-        self.forms = _normalised(model)
+        self.centres, self.forms = _about_centres(model)
+        self.bends = np.linalg.norm(self.forms[:, :3, :3], axis=(1, 2))
         cones = [x for x in model.surfaces if isinstance(x, Quadric) and x.apex is not None]
-        self.tips = [_tip(x) for x in cones]
-        """Apexes of its cones, and unit ways along their axes."""
+        self.tips = [_tip(x, model) for x in cones]
 
     def holds(self, x: Sequence[arb], moved: Sequence[arb] | None = None) -> bool:
         """Whether the model holds x (in its frame), and all points that far from it."""
@@ -69,27 +99,47 @@ class Solid:
         return not possible(self.model.tree, below, above)[1]
 
     def placed(self, linear: np.ndarray, shift: np.ndarray) -> np.ndarray:
-        """The scaled forms in the frame in which a point x of the model is at linear x + shift."""
+        """The map (4, 4) to its own frame from that in which a point x of the model is at linear x + shift."""
         back = np.eye(4)
         back[:3, :3] = np.linalg.inv(linear)
         back[:3, 3] = -back[:3, :3] @ shift
-        return back.T @ self.forms @ back
+        return back
 
-    def height(self, forms: np.ndarray, centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """(n,) about how far the points centre + steps (n, 3) are from inside, negative inside; forms: as placed."""
-        image = forms @ np.append(centre, 1.0)
-        value = image[:, :3] @ centre + image[:, 3]
-        bent = np.einsum("sni,ni->sn", steps @ forms[:, :3, :3], steps)
-        return tree_height(self.model.tree, value[:, None] + 2.0 * image[:, :3] @ steps.T + bent)
+    def height(self, back: np.ndarray, centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """(n,) about how far the points centre + steps (n, 3) are from inside, negative inside; back: as placed."""
+        turned = steps @ back[:3, :3].T
+        value, slopes = self._at(back, centre)
+        turns = turned @ self.forms[:, :3, :3]
+        values = value[:, None] + 2.0 * slopes @ turned.T + np.einsum("sni,ni->sn", turns, turned)
+        return tree_height(self.model.tree, values / self._scale(values, slopes[:, None] + turns))
 
-    def slopes(self, forms: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def slopes(self, back: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n,) about how far the point is from each surface, and (n, 3) directions in which that grows."""
-        image = forms @ np.append(point, 1.0)
-        return image[:, :3] @ point + image[:, 3], image[:, :3]
+        value, slopes = self._at(back, point)
+        scale = self._scale(value[:, None], slopes[:, None])
+        return value / scale[:, 0], slopes / scale @ back[:3, :3]
 
-    def values(self, forms: np.ndarray, points: np.ndarray) -> np.ndarray:
+    def values(self, back: np.ndarray, points: np.ndarray) -> np.ndarray:
         """(n, m) of each surface at m homogeneous points, about how far they are from it."""
-        found: np.ndarray = np.einsum("ni,fij,nj->fn", points, forms, points, optimize=True)
+        x = np.ones((len(self.forms), len(points), 4))
+        x[:, :, :3] = (points @ back.T)[:, :3] - self.centres[:, None]
+        image = x @ self.forms
+        values = (image * x).sum(axis=2)
+        found: np.ndarray = values / self._scale(values, image[:, :, :3])
+        return found
+
+    def _at(self, back: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of each surface, in the model's frame: value and half the gradient at a point."""
+        x = back[:3, :3] @ point + back[:3, 3] - self.centres
+        slopes = np.einsum("sij,sj->si", self.forms[:, :3, :3], x) + self.forms[:, :3, 3]
+        value: np.ndarray = ((slopes + self.forms[:, :3, 3]) * x).sum(axis=1) + self.forms[:, 3, 3]
+        return value, slopes
+
+    def _scale(self, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """(n, m) what values of forms are over distances: v = 2 g d + a d^2 for half the gradient g and the bend a,
+        which holds next to tips too, where g is next to nothing."""
+        square = (slopes * slopes).sum(axis=2)
+        found: np.ndarray = np.sqrt(square) + np.sqrt(square + self.bends[:, None] * np.abs(values)) + 1e-300
         return found
 
     def samples(self) -> np.ndarray:
@@ -208,8 +258,13 @@ class Lasting(Generic[P]):
         return self.scratch[SPEED].copy(), self.scratch[SPREAD].copy()
 
 
-class LastingOfModels(Lasting[np.ndarray]):
-    """Two models: a world point, fixed in either of them."""
+class LastingOfModels(Lasting["np.ndarray | OwnTip"]):
+    """Two models: a world point, fixed in either of them, or the tip of a cone.
+
+    Doubles tell little of points next to tips: there a cone's form falls with the square of the distance, below what
+    rounding leaves of it.  The tip itself is exact and its body holds it, however sharp; of the other body it is a
+    point like any.
+    """
 
     def __init__(self, a: Solid, b: Solid) -> None:
         super().__init__()
@@ -219,7 +274,9 @@ class LastingOfModels(Lasting[np.ndarray]):
 
     # -- the proof ------------------------------------------------------------------------------------------
 
-    def follow(self, window: Window, t: float, end: float, point: np.ndarray) -> np.ndarray | None:
+    def follow(self, window: Window, t: float, end: float, point: np.ndarray | OwnTip) -> np.ndarray | None:
+        if isinstance(point, OwnTip):
+            return self.place(window, end, point) if self._tip_stays(window, t, end, point) else None
         for side in (0, 1):
             if self.stays(window, t, end, side, point):
                 m = (window.a, window.b)[side]
@@ -227,25 +284,35 @@ class LastingOfModels(Lasting[np.ndarray]):
                 return linear(q) @ np.linalg.solve(linear(p), point - p[9:12]) + q[9:12]
         return None
 
-    def place(self, window: Window, t: float, point: np.ndarray) -> np.ndarray:
-        return point
+    def place(self, window: Window, t: float, point: np.ndarray | OwnTip) -> np.ndarray:
+        if not isinstance(point, OwnTip):
+            return point
+        p = self.pose((window.a, window.b)[point.side], t)
+        place: np.ndarray = linear(p) @ point.tip.place + p[9:12]
+        return place
 
     def is_shared(self, window: Window, t: float, point: np.ndarray) -> bool:
-        """Whether the point is proved to be in both models at t."""
-        return self.stays(window, t, t, 0, point)
+        """Whether the point is proved to be in both models at t: fixed in either, whichever loses less by rounding."""
+        return any(self.stays(window, t, t, side, point) for side in (0, 1))
 
     def stays(self, window: Window, t: float, end: float, side: int, point: np.ndarray) -> bool:
         """Whether the point, fixed in model `side`, is proved to be in both models over [t, end]."""
+        p = self.pose((window.a, window.b)[side], t)
+        with precision(BITS):
+            x = [arb(c) for c in np.linalg.solve(linear(p), point - p[9:12]).tolist()]
+            return self.solids[side].holds(x) and self._other_holds(window, t, end, side, x)
+
+    def _tip_stays(self, window: Window, t: float, end: float, point: OwnTip) -> bool:
+        with precision(BITS):
+            return self._other_holds(window, t, end, point.side, [arb(c) for c in point.tip.point])
+
+    def _other_holds(self, window: Window, t: float, end: float, side: int, x: list[arb]) -> bool:
+        """Whether the point x of model `side`, in its frame, is proved to be in the other one over [t, end]."""
         own, other = (window.a, window.b) if side == 0 else (window.b, window.a)
         p, q = self.pose(own, t), self.pose(other, t)
-        x = np.linalg.solve(linear(p), point - p[9:12])
-        y = np.linalg.solve(linear(q), linear(p) @ x + p[9:12] - q[9:12])
-        with precision(BITS):
-            here = [arb(c) for c in x.tolist()]
-            if not self.solids[side].holds(here):
-                return False
-            there = [arb(c) for c in y.tolist()]
-            return self.solids[1 - side].holds(there, self.drift(own, other, t, end, here, y))
+        place = linear(p) @ [float(c) for c in x] + p[9:12]
+        y = np.linalg.solve(linear(q), place - q[9:12])
+        return self.solids[1 - side].holds([arb(c) for c in y.tolist()], self.drift(own, other, t, end, x, y))
 
     # -- points ---------------------------------------------------------------------------------------------
 
@@ -253,19 +320,35 @@ class LastingOfModels(Lasting[np.ndarray]):
         """From samples of their boxes."""
         return self.deepest(window, t, self._samples(self._poses(window, t)))
 
-    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
-        found = self._deep(self._placed(self._poses(window, t)), seeds)
-        return next((point for point in found if self.is_shared(window, t, point)), None)
+    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | OwnTip | None:
+        return next(self.each_held(window, t, seeds), None)
 
-    def each_held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
-        yield from super().each_held(window, t, seeds)
+    def each_held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray | OwnTip]:
+        poses = self._poses(window, t)
+        found = self._deep(self._placed(poses), seeds)
+        deep = next((point for point in found if self.is_shared(window, t, point)), None)
+        if deep is not None:
+            yield deep
+        yield from (tip for tip in self._tips(poses) if self._tip_stays(window, t, t, tip))
         yield from self._below_tips(window, t, seeds)
+
+    def _tips(self, poses: list[Pose]) -> Iterator[OwnTip]:
+        """Those that doubles do not take for outside the other model."""
+        for side, (turned, shift) in enumerate(poses):
+            owned = [tip for tip in self.solids[side].tips if tip.owned]
+            if not owned:
+                continue
+            x = np.array([turned @ tip.place + shift for tip in owned])
+            other = self.solids[1 - side]
+            heights = other.height(other.placed(*poses[1 - side]), np.zeros(3), x)
+            near = heights <= INSIDE * np.abs(x).max(axis=1)
+            yield from (OwnTip(side, tip) for tip, here in zip(owned, near, strict=True) if here)
 
     def _below_tips(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
         """Points on axes of cones, half as far from their apexes as common points go: there doubles tell no depth."""
         for solid, (turned, shift) in zip(self.solids, self._poses(window, t), strict=True):
-            for apex, way in solid.tips:
-                tip, along = turned @ apex + shift, turned @ way
+            for apex in solid.tips:
+                tip, along = turned @ apex.place + shift, turned @ apex.way
                 near = TIP * float(np.abs(tip).max() + np.linalg.norm(along))
                 if min((float(np.abs(x - tip).max()) for x in seeds), default=np.inf) > near:
                     continue
@@ -276,12 +359,12 @@ class LastingOfModels(Lasting[np.ndarray]):
 
     def rough(self, poses: Sequence[Pose], seeds: Sequence[np.ndarray]) -> np.ndarray | None:
         """A point that doubles take for one inside both models in these poses: below the best of seeds and samples."""
-        forms = self._placed(poses)
+        maps = self._placed(poses)
         points = np.array([*seeds, *self._samples(poses)])
         if not len(points):
             return None
-        best = int(np.argmin(self._height(forms, np.zeros(3), points)))
-        return next(self._deep(forms, [points[best]]), None)
+        best = int(np.argmin(self._height(maps, np.zeros(3), points)))
+        return next(self._deep(maps, [points[best]]), None)
 
     def _samples(self, poses: Sequence[Pose]) -> list[np.ndarray]:
         """Points of the models' boxes in these poses, where both are deepest."""
@@ -290,19 +373,19 @@ class LastingOfModels(Lasting[np.ndarray]):
         ])  # fmt: skip
         return list(x[np.argsort(self._height(self._placed(poses), np.zeros(3), x))[:4]])
 
-    def _deep(self, forms: list[np.ndarray], seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+    def _deep(self, maps: list[np.ndarray], seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
         """Points that seem to be inside both models, deep below the seeds."""
         for seed in seeds:
             point, depth = descended(
-                lambda x, steps: self._height(forms, x, steps), lambda x: self._directions(forms, x),
+                lambda x, steps: self._height(maps, x, steps), lambda x: self._directions(maps, x),
                 np.asarray(seed, float),
             )  # fmt: skip
             if depth < 0.0:
                 yield point
 
-    def _directions(self, forms: list[np.ndarray], point: np.ndarray) -> np.ndarray:
+    def _directions(self, maps: list[np.ndarray], point: np.ndarray) -> np.ndarray:
         """(n, 3) unit: fixed ones, and across and away from the nearest surfaces."""
-        told = [solid.slopes(form, point) for solid, form in zip(self.solids, forms, strict=True)]
+        told = [solid.slopes(back, point) for solid, back in zip(self.solids, maps, strict=True)]
         values, rows = (np.concatenate(parts) for parts in zip(*told, strict=True))
         near = np.argsort(np.abs(values))[:3]
         lengths = np.linalg.norm(rows[near], axis=1, keepdims=True)
@@ -317,12 +400,12 @@ class LastingOfModels(Lasting[np.ndarray]):
         return [(linear(pose), pose[9:12]) for pose in poses]
 
     def _placed(self, poses: Sequence[Pose]) -> list[np.ndarray]:
-        """The scaled forms of both models in these poses."""
+        """The maps to both models' frames in these poses."""
         return [s.placed(*pose) for s, pose in zip(self.solids, poses, strict=True)]
 
-    def _height(self, forms: list[np.ndarray], centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    def _height(self, maps: list[np.ndarray], centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """(n,) about how far the points centre + steps are from inside both models, negative inside."""
-        return np.maximum(*(s.height(form, centre, steps) for s, form in zip(self.solids, forms, strict=True)))
+        return np.maximum(*(s.height(back, centre, steps) for s, back in zip(self.solids, maps, strict=True)))
 
 
 def _all(known: list[P], more: Iterator[P]) -> Iterator[P]:
@@ -392,17 +475,24 @@ def tree_height(tree: Tree, values: np.ndarray) -> np.ndarray:
     return np.maximum(first, second) if isinstance(tree, And) else np.minimum(first, second)
 
 
-def _tip(cone: Quadric) -> tuple[np.ndarray, np.ndarray]:
+def _tip(cone: Quadric, model: CompositeQuadric) -> Tip:
     """Its apex, and the unit way along which it goes deepest into the cone."""
     assert cone.apex is not None
+    x, y, z = cone.apex[:3]
     form = np.array([[to_double(x) for x in row[:3]] for row in cone.form[:3]])
-    return np.array([to_double(x) for x in cone.apex[:3]]), np.linalg.eigh(form)[1][:, 0]
+    return Tip((x, y, z), np.linalg.eigh(form)[1][:, 0], model.contains_exactly((x, y, z)))
 
 
-def _normalised(model: CompositeQuadric) -> np.ndarray:
-    """(n, 4, 4) forms of gradients of about 1 around the model."""
-    lo, hi = (np.clip(x, -1e6, 1e6) for x in model.bounds())
-    corners = np.array([[x, y, z] for x in (lo[0], hi[0]) for y in (lo[1], hi[1]) for z in (lo[2], hi[2])])
-    points = np.column_stack([corners, np.ones(8)])
-    gradients = np.linalg.norm(2.0 * np.einsum("sij,nj->sni", model.forms, points)[:, :, :3], axis=2)
-    return model.forms / np.maximum(np.median(gradients, axis=1), 1e-300)[:, None, None]
+def _about_centres(model: CompositeQuadric) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 3), and forms (n, 4, 4) of the way from them."""
+    by = (fmpq(0),) * 3
+    if model.bounded:
+        lo, hi = model.bounds()
+        by = to_origin((0.5 * (lo + hi)).tolist(), float((hi - lo).max()))
+    moved = model.translated(by) if any(by) else model
+    forms, centres = moved.forms.copy(), np.tile([-to_double(x) for x in by], (len(moved.forms), 1))
+    for k, surface in enumerate(model.surfaces):
+        if isinstance(surface, Quadric) and surface.apex is not None:
+            centres[k] = [to_double(x) for x in surface.apex[:3]]
+            forms[k, 3] = forms[k, :, 3] = 0.0
+    return centres, forms

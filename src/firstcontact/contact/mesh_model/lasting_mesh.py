@@ -45,7 +45,7 @@ class LastingOfMesh(Lasting["MeshPoint | Pierced"]):
         self.corners = mesh.vertices[self.tree.corners]
         self.off = mesh.error + 32.0 * U * float(np.abs(mesh.vertices).max())
         samples = self.solid.samples()
-        heights = self.solid.height(self.solid.forms, np.zeros(3), samples)
+        heights = self.solid.height(self.solid.own, np.zeros(3), samples)
         best = np.argsort(heights)[:DEEP]
         self.deep = samples[best[heights[best] < 0.0]]
         mixes = np.random.default_rng(0).normal(size=(DIRECTIONS, 3))
@@ -63,13 +63,13 @@ class LastingOfMesh(Lasting["MeshPoint | Pierced"]):
         own, other = self._motions(window)
         p, q = self.pose(own, t), self.pose(other, t)
         back = np.linalg.inv(linear(p))
-        forms = self.solid.placed(back @ linear(q), back @ (q[9:12] - p[9:12]))
+        there = self.solid.placed(back @ linear(q), back @ (q[9:12] - p[9:12]))
         foot, x = back @ (seed - p[9:12]), self.corners
         weights = _feet(x, foot)[:, 0]
         sizes = np.ptp(x, axis=1).max(axis=1)
         away = np.abs(np.einsum("nc,ncd->nd", weights, x) - foot).max(axis=1)
         for k in np.flatnonzero(away <= part * sizes):
-            point, height = self._descended(forms, x[k], weights[k], SCALES[SCALES <= part])
+            point, height = self._descended(there, x[k], weights[k], SCALES[SCALES <= part])
             close = np.abs(point - foot).max() <= 4.0 * part * sizes[k]
             if height < 0.0 and close and self._stays(window, t, t, MeshPoint(point, self.off)):
                 return True
@@ -132,13 +132,13 @@ class LastingOfMesh(Lasting["MeshPoint | Pierced"]):
         p, q = self.pose(own, t), self.pose(other, t)
         back = np.linalg.inv(linear(p))
         turn, shift = back @ linear(q), back @ (q[9:12] - p[9:12])
-        forms = self.solid.placed(turn, shift)
+        there = self.solid.placed(turn, shift)
         deep = self.deep @ turn.T + shift
         inner = self._inside(deep)
-        outer, height = self._on_surface(forms, [*(back @ (seed - p[9:12]) for seed in seeds), *deep[:4]])
+        outer, height = self._on_surface(there, [*(back @ (seed - p[9:12]) for seed in seeds), *deep[:4]])
         candidates = [] if height >= 0.0 else [(height, outer)]
         if inner is not None:
-            candidates.append((float(self.solid.height(forms, inner.local, np.zeros((1, 3)))[0]), inner))
+            candidates.append((float(self.solid.height(there, inner.local, np.zeros((1, 3)))[0]), inner))
         for _, point in sorted(candidates, key=lambda x: x[0]):
             if self._stays(window, t, t, point):
                 return point
@@ -158,28 +158,28 @@ class LastingOfMesh(Lasting["MeshPoint | Pierced"]):
                 continue
         return None
 
-    def _on_surface(self, forms: np.ndarray, seeds: list[np.ndarray]) -> tuple[MeshPoint, float]:
+    def _on_surface(self, there: np.ndarray, seeds: list[np.ndarray]) -> tuple[MeshPoint, float]:
         """(about the deepest point of the surface, its height): the best corners, middles and feet of seeds, moved."""
         x = self.corners
         weights = np.concatenate([np.eye(3), np.full((1, 3), 1.0 / 3.0)])
         starts = np.concatenate([np.broadcast_to(weights, (len(x), 4, 3)), *(_feet(x, seed) for seed in seeds)], axis=1)
         at = np.einsum("nkc,ncd->nkd", starts, x)
-        heights = self.solid.height(forms, np.zeros(3), at.reshape(-1, 3)).reshape(at.shape[:2])
+        heights = self.solid.height(there, np.zeros(3), at.reshape(-1, 3)).reshape(at.shape[:2])
         best = np.argsort(heights.min(axis=1))[:TRIANGLES]
         chosen = starts[best, heights[best].argmin(axis=1)]
-        found = [self._descended(forms, x[k], w) for k, w in zip(best, chosen, strict=True)]
+        found = [self._descended(there, x[k], w) for k, w in zip(best, chosen, strict=True)]
         (point, height) = min(found, key=lambda f: f[1])
         return MeshPoint(point, self.off), height
 
     def _descended(
-        self, forms: np.ndarray, corners: np.ndarray, weight: np.ndarray, scales: np.ndarray = SCALES
+        self, there: np.ndarray, corners: np.ndarray, weight: np.ndarray, scales: np.ndarray = SCALES
     ) -> tuple[np.ndarray, float]:
         """The point of the triangle with these weights moved downhill within it, by tries of these sizes around it."""
-        height = float(self.solid.height(forms, weight @ corners, np.zeros((1, 3)))[0])
+        height = float(self.solid.height(there, weight @ corners, np.zeros((1, 3)))[0])
         for _ in range(ROUNDS):
             tries = np.maximum(weight + (scales[:, None, None] * self.mixes).reshape(-1, 3), 0.0)
             tries /= tries.sum(axis=1, keepdims=True)
-            heights = self.solid.height(forms, weight @ corners, (tries - weight) @ corners)
+            heights = self.solid.height(there, weight @ corners, (tries - weight) @ corners)
             best = int(np.argmin(heights))
             if heights[best] >= height:
                 break

@@ -150,24 +150,24 @@ class RuledLasting(Lasting[np.ndarray]):
 
     def anywhere(self, window: Window, t: float) -> np.ndarray | None:
         """A point proved common at t, from samples of the sheets."""
-        forms = self._placed(window, t)
+        there = self._placed(window, t)
         x, s = (c.ravel() for c in np.meshgrid(np.linspace(-1, 1, GRID[0]), np.linspace(0, 1, GRID[1])))
         seeds, heights = [], []
         for k in range(len(self.sheets)):
-            here = self._heights(forms, k, self._now(k, window, t), np.column_stack([x, s]))
+            here = self._heights(there, k, self._now(k, window, t), np.column_stack([x, s]))
             best = int(np.argmin(here))
             seeds.append(np.array([k, x[best], s[best]]))
             heights.append(float(here[best]))
         return self.deepest(window, t, [seeds[k] for k in np.argsort(heights)[:4]])
 
     def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
-        forms = self._placed(window, t)
+        there = self._placed(window, t)
         for seed in seeds:
             k = int(seed[0])
             table = self._now(k, window, t)
             place, depth = descended(
-                lambda x, steps: self._heights(forms, k, table, x + steps),  # noqa: B023
-                lambda x: self._directions(forms, k, table, x),  # noqa: B023
+                lambda x, steps: self._heights(there, k, table, x + steps),  # noqa: B023
+                lambda x: self._directions(there, k, table, x),  # noqa: B023
                 np.asarray(seed[1:], float),
             )
             point = np.array([k, *np.clip(place, LOWEST, HIGHEST)])
@@ -191,7 +191,7 @@ class RuledLasting(Lasting[np.ndarray]):
         return table
 
     def _placed(self, window: Window, t: float) -> np.ndarray:
-        """The forms of the model in the ruled surface's frame at t."""
+        """The map from the ruled surface's frame to the model's at t."""
         own, other = (window.a, window.b) if self.side == 0 else (window.b, window.a)
         p, q = self.pose(own, t), self.pose(other, t)
         turn = np.linalg.solve(linear(p), linear(q))
@@ -205,8 +205,8 @@ class RuledLasting(Lasting[np.ndarray]):
         scaled: np.ndarray = points / points[:, 3:]
         return scaled
 
-    def _heights(self, forms: np.ndarray, k: int, table: np.ndarray, places: np.ndarray) -> np.ndarray:
-        heights = self.solid.height(forms, np.zeros(3), self._points(table, places)[:, :3])
+    def _heights(self, there: np.ndarray, k: int, table: np.ndarray, places: np.ndarray) -> np.ndarray:
+        heights = self.solid.height(there, np.zeros(3), self._points(table, places)[:, :3])
         highest: np.ndarray = np.max([heights, *self._cut_off(k, places)], axis=0)
         return highest
 
@@ -216,12 +216,12 @@ class RuledLasting(Lasting[np.ndarray]):
         found = [-self.sizes[k] * np.polynomial.polynomial.polyval2d(x, s, cut) for cut in self.cuts[k]]
         return np.array(found).reshape(-1, len(x))
 
-    def _directions(self, forms: np.ndarray, k: int, table: np.ndarray, place: np.ndarray) -> np.ndarray:
+    def _directions(self, there: np.ndarray, k: int, table: np.ndarray, place: np.ndarray) -> np.ndarray:
         """(n, 2): all around, and across and away from the nearest surfaces."""
         step = 1e-5
         around = place + step * np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [0, 0]])
         ends = self._points(table, around)
-        values = np.vstack([self.solid.values(forms, ends), self._cut_off(k, around)])
+        values = np.vstack([self.solid.values(there, ends), self._cut_off(k, around)])
         slopes = np.column_stack([values[:, 0] - values[:, 1], values[:, 2] - values[:, 3]]) / (2 * step)
         near = np.argsort(np.abs(values[:, 4]))[:3]
         rows = slopes[near] / np.maximum(np.linalg.norm(slopes[near], axis=1, keepdims=True), 1e-300)

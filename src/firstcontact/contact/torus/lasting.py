@@ -23,7 +23,7 @@ class SolidTorus(Solid):
         with precision(BITS):
             self.back = tuple(tuple(arb(x) for x in row) for row in torus.back)
             self.radii = arb(torus.major), arb(torus.minor)
-        self.forms = np.linalg.inv(square(torus.pose))
+        self.own = np.linalg.inv(square(torus.pose))
         self.unit = abs(float(np.linalg.det(torus.pose[:, :3]))) ** (1 / 3)
         """The unit of its own frame; heights are compared with those of the other body, in the world's."""
 
@@ -38,18 +38,18 @@ class SolidTorus(Solid):
         back = np.eye(4)
         back[:3, :3] = np.linalg.inv(linear)
         back[:3, 3] = -back[:3, :3] @ shift
-        placed: np.ndarray = self.forms @ back
+        placed: np.ndarray = self.own @ back
         return placed
 
-    def height(self, forms: np.ndarray, centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        return self._distance((centre + steps) @ forms[:3, :3].T + forms[:3, 3])[0]
+    def height(self, back: np.ndarray, centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        return self._distance((centre + steps) @ back[:3, :3].T + back[:3, 3])[0]
 
-    def slopes(self, forms: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        distance, gradient = self._distance((forms[:3, :3] @ point + forms[:3, 3])[None])
-        return distance, gradient @ forms[:3, :3]
+    def slopes(self, back: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        distance, gradient = self._distance((back[:3, :3] @ point + back[:3, 3])[None])
+        return distance, gradient @ back[:3, :3]
 
-    def values(self, forms: np.ndarray, points: np.ndarray) -> np.ndarray:
-        return self._distance(points @ forms[:3].T)[0][None]
+    def values(self, back: np.ndarray, points: np.ndarray) -> np.ndarray:
+        return self._distance(points @ back[:3].T)[0][None]
 
     def samples(self) -> np.ndarray:
         u, v = (x.ravel() for x in np.meshgrid(*[np.arange(SAMPLES) * (2.0 * np.pi / SAMPLES)] * 2))
