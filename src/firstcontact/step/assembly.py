@@ -150,17 +150,18 @@ class Assembly:
 
 
 def load_step(
-    path: str | Path, *, unit: str | None = None, deviation: Given = None, surfaces: bool = False
+    path: str | Path, *, unit: str | None = None, deviation: Given = None, surfaces: bool | None = None
 ) -> Assembly:
     """The tree of a STEP file: parts by name, in their places, with colours, in the file's unit.
 
-    Solids of planes become polyhedra with these very planes (`part.exact`), all others triangles, whose deviation from
+    Solids of planes, cylinders, cones and spheres become bodies with these very surfaces (`part.exact`), where checks
+    of points, edges and vertices bear them out: checks, no proof.  All others become triangles, whose deviation from
     the file's faces is bounded by proof (`part.deviation`).
 
     unit: "mm", "cm", "m", "inch", ...: lengths are converted, exactly; default: the file's own.
-    deviation: of triangles, at most, in that unit; default 1e-4 of the size of each solid.
-    surfaces: solids of planes, cylinders, cones and spheres become bodies with these very surfaces, where checks of
-    points, edges and vertices bear them out, which takes a while; they are checks, no proof.
+    deviation: at most, in that unit; default 1e-4 of the size of each solid.
+    surfaces: True: curved solids have their own surfaces however long that takes, not only where it takes seconds;
+    False: all of them become triangles, whose answers come sooner.
 
     Raises InputError that names the entity of the file ("#123") which is broken, or says what to install: OpenCASCADE
     reads the file (python -m pip install 'firstcontact[step]').
@@ -189,7 +190,7 @@ def _root(
     scale = units.MILLIMETRES[read.unit] / units.MILLIMETRES[unit]
     source: dict[str, Any] = {"shape": "step", "file": called, "unit": unit}
     source |= {} if wanted.deviation is None else {"deviation": wanted.deviation}
-    source |= {"surfaces": True} if wanted.surfaces else {}
+    source |= {} if wanted.surfaces is None else {"surfaces": wanted.surfaces}
     roots = [node for root in read.roots if (node := _solid_nodes(root)) is not None]
     if not roots:
         raise InputError(f"{called}: holds no solids, only curves or surfaces; export the model as solids")
@@ -202,7 +203,7 @@ def _root(
 
 def from_shape(
     shape: CadShape | TopoDS_Shape, *, name: str | None = None, unit: str | None = None, deviation: Given = None,
-    surfaces: bool = False,
+    surfaces: bool | None = None,
 ) -> Compound:  # fmt: skip
     """The body of a shape of build123d or CadQuery (anything with `.wrapped`), or of OpenCASCADE itself.
 

@@ -123,7 +123,10 @@ class Compound(Placing):
         """(n,) bools: whether the (n, 3) points are in the closed body.  InputError where a piece is a polyhedron."""
         if not all(hasattr(piece.body, "contains") for piece in self.pieces):
             who = self.name or "compound"
-            raise InputError(f"{who}: only curved pieces tell what is in them; ask load_step(surfaces=True)")
+            raise InputError(
+                f"{who}: pieces that are polyhedra do not tell what is in them; ask first_contact with a point, "
+                "fc.Polyhedron([point], [])"
+            )
         found = [piece.body.contains(points) for piece in self.pieces]
         told: np.ndarray = np.any(found, axis=0)
         return told
