@@ -67,7 +67,8 @@ def test_scenes_say_which_and_write_it(bored, tmp_path):
         assert fc.from_dict(body.to_dict()) == body
 
 
-def test_info_tells_why_parts_are_triangles(bored, tmp_path, capfd):
+def test_info_tells_why_parts_are_triangles(bored, tmp_path, capfd, monkeypatch):
+    monkeypatch.setattr(bodies, "DEVIATION", 1e-2)
     assert run(["info", str(bored)]) == 0
     assert "7 faces (6 planes, 1 cylinder), size 6 x 4 x 2; exact surfaces, corners and" in capfd.readouterr().out
     assert run(["info", "--triangles", str(bored)]) == 0

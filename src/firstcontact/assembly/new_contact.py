@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from firstcontact import query
 from firstcontact.assembly.kept import step_ends
+from firstcontact.body.compound.compound import both_taken_in
 from firstcontact.contact.ways import tried
 from firstcontact.exact.numbers import exact_value, fraction, to_double
 from firstcontact.motion.span import common_span
-from firstcontact.result import ContactIntervals, Element, ElementPair, FirstContact, Status
+from firstcontact.result import WITHIN, ContactIntervals, Element, ElementPair, FirstContact, Status
 from firstcontact.work import Progress
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from firstcontact.work import Arguments
 
 TOUCHING = "touching at the start"
+WITHIN_DEVIATION = f"overlapping at the start, {WITHIN}; of the parts taken in by that much"
 MOST_STEPS = 100
 """Of motions that are looked at step by step."""
 LASTING = "contact"
@@ -97,7 +99,9 @@ def first_new_contact(
     and on the axis about which they turn; every other shared point is new, inside solids too.  Then `allowed` says
     "touching at the start", Status.FREE proves that there is no new contact at any time of the span, and what is not
     decided is UNDECIDED: reason "contact" where contact lasts and no proof tells old from new.  Bodies that overlap at
-    the start, or of which neither is proved (`initial` None), are in INITIAL_CONTACT as ever.
+    the start, or of which neither is proved (`initial` None), are in INITIAL_CONTACT as ever, but for parts of files
+    that overlap no deeper than they deviate from these: of them the first contact deeper than that is told, by the
+    parts as they are when each is taken in by what it deviates; FREE proves that there is none.
 
     Arguments as in `first_contact`; the budget is that of each question asked on the way.
 
@@ -110,6 +114,17 @@ def first_new_contact(
     """
     arguments: Arguments = {"exact": exact, "tolerance": tolerance, "budget": budget, "progress": progress}
     first = query.first_contact(a, b, span, **arguments)
+    found = _after_touch(first, span, arguments)
+    if found.status is not Status.INITIAL_CONTACT or (inner := both_taken_in(first.a, first.b)) is None:
+        return found
+    less = _after_touch(query.first_contact(*inner, span, **arguments), span, arguments)
+    if less.status is Status.INITIAL_CONTACT:
+        return found
+    return replace(less, a=first.a, b=first.b, stats=found.stats + less.stats, allowed=WITHIN_DEVIATION)
+
+
+def _after_touch(first: FirstContact, span: Sequence[Given] | None, arguments: Arguments) -> FirstContact:
+    """The first new contact, from the first contact on; that one where the bodies do not touch at the start."""
     if first.status is not Status.INITIAL_CONTACT or first.initial not in ("touching", None):
         return first
     from firstcontact.contact.mesh_model import as_polyhedra  # loads what solids need

@@ -10,11 +10,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.placing import Placing
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.polyhedron.taken_in import taken_in
 from firstcontact.body.told import count, point
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import above, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, compose
+from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.value import numbers
 from firstcontact.result import Element
 
@@ -23,6 +27,9 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
     from firstcontact.exact.numbers import Given
     from firstcontact.result import Json, Table
+
+
+_TAKEN_IN = Kept["Compound"]()
 
 
 class Names(Protocol):
@@ -54,6 +61,27 @@ class Piece:
     def mapped(self, matrix: Matrix) -> Piece:
         """The piece under an exact affine map."""
         return replace(self, body=self.body._mapped(matrix), corners=_moved(self.corners, matrix))
+
+
+@dataclass(frozen=True, eq=False)
+class _TakenInNames:
+    """Of a mesh that was taken in: its elements are those of the mesh as it was."""
+
+    names: Names
+    mesh: Polyhedron
+
+    @cached_property
+    def edges(self) -> dict[tuple[int, int], int]:
+        return {(min(i, j), max(i, j)): k for k, (i, j) in enumerate(self.mesh.edges.tolist())}
+
+    def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
+        """As `Names`; sides of triangles within a polygon are the polygon."""
+        if kind == "edge":
+            i, j = body.edges[index].tolist()
+            if (known := self.edges.get((min(i, j), max(i, j)))) is not None:
+                return self.names.of(kind, known, self.mesh)
+            kind, index = "face", int(((body.triangles == i) | (body.triangles == j)).sum(axis=1).argmax())
+        return self.names.of(kind, int(self.mesh.triangle_face[index]) if kind == "face" else index, self.mesh)
 
 
 class Compound(Placing):
@@ -118,6 +146,24 @@ class Compound(Placing):
             for piece in self.pieces
         ]
         return np.min([lo for lo, _ in boxes], axis=0), np.max([hi for _, hi in boxes], axis=0)
+
+    def taken_in(self) -> Compound | None:
+        """What is left where its polyhedra are taken in by its deviation; None where it has none, or rounding as much.
+
+        Every point of a solid that is farther from the solid's surface than the deviation is in it.
+        """
+        def made() -> Compound:
+            inner = [taken_in(x.body, self.deviation) if isinstance(x.body, Polyhedron) else None for x in self.pieces]
+            if all(mesh is None for mesh in inner):
+                return self
+            pieces = tuple(
+                x if mesh is None else replace(x, body=mesh, names=_TakenInNames(x.names, x.body), corners=None)
+                for x, mesh in zip(self.pieces, inner, strict=True)
+            )
+            return self._with(pieces=pieces, _shown=None, deviation=2.0 * self.deviation, _search={})
+
+        found = _TAKEN_IN.of(self, made)
+        return None if found is self else found
 
     def contains(self, points: np.ndarray | Sequence[Sequence[Given]]) -> np.ndarray:
         """(n,) bools: whether the (n, 3) points are in the closed body.  InputError where a piece is a polyhedron."""
@@ -203,7 +249,25 @@ def _stretch(matrix: Matrix) -> float:
     return 1.0 if square == 1 else float(np.nextafter(np.sqrt(above(square)), np.inf))
 
 
+def both_taken_in(a: Body, b: Body) -> tuple[Body, Body] | None:
+    """Two bodies, at rest or moving, as `Compound.taken_in` leaves them, where they are compounds; None where none is.
+
+    Where these have no point in common, every common point of a and b is as near to the surface of one of their solids
+    as that body deviates from its file's.
+    """
+    inner = [_taken_in(x) for x in (a, b)]
+    if inner[0] is None and inner[1] is None:
+        return None
+    return (a if inner[0] is None else inner[0]), (b if inner[1] is None else inner[1])
+
+
+def _taken_in(body: Body) -> Body | None:
+    shape = shape_of(body)
+    inner = shape.taken_in() if isinstance(shape, Compound) else None
+    return inner.moving(body.motion) if isinstance(body, Moving) and inner is not None else inner
+
+
 def deviation_of(body: Body) -> float | None:
     """Of a body at rest or moving; None of one that stands for itself."""
-    shape = getattr(body, "body", body)
+    shape = shape_of(body)
     return shape.deviation if isinstance(shape, Compound) else None
