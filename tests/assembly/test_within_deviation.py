@@ -1,5 +1,7 @@
 """Parts that touch in the file and overlap as built, within what they deviate: what is proved of their depth."""
 
+import pickle
+
 import numpy as np
 import pytest
 import trimesh
@@ -93,3 +95,21 @@ def test_polygons_that_are_taken_in_keep_their_names():
     assert {x[:2] for x in named} == {("face", k) for k in range(6)}
     edges = [piece.names.of("edge", k, piece.body)[0] for k in range(18)]
     assert edges.count("edge") == 12 and edges.count("face") == 6
+
+
+def test_exact_parts_that_roundings_put_into_each_other_are_let_pass_by_their_triangles():
+    """A pin in its bore, tilted: one by OpenCASCADE, the other by the doubles of the same turn."""
+    axis, at = (1, 2, 3), (1, 2, 3)
+    bored = shapes.cut(shapes.box((6, 6, 2), (-3, -3, 0)), shapes.cylinder(1, 9, (0, 0, -1)))
+    block = fc.from_shape(shapes.moved(bored, at, (axis, 0.7)), name="block", deviation=0.01)
+    pose = fc.Rotation(axis, radians=0.7)(1)
+    pose[:3, 3] = at
+    bolt = fc.from_shape(shapes.cylinder(1, 4, (0, 0, -1)), name="pin", deviation=0.01).transformed(pose)
+    bolt = pickle.loads(pickle.dumps(bolt))
+    up = pose[:3, 2]
+    assert bolt.deviation + block.deviation < 1e-12
+    hit = fc.first_new_contact(bolt.moving(fc.Rotation(up, at, degrees=90)), block)
+    assert hit.status is fc.Status.FREE and "no deeper than twice what their triangles deviate" in hit.allowed
+    assert 0.02 < hit.model_deviation <= 0.04
+    hit = fc.first_new_contact(bolt.moving(fc.Translation(pose[:3, 0])), block)
+    assert hit.status is fc.Status.CONTACT and 0 < hit.time <= hit.model_deviation

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -292,17 +292,26 @@ def _made(node: Node, name: str, above: str, before: Matrix, made: _Made) -> Ass
 
 @lru_cache(maxsize=256)
 def _body_of(node: Assembly) -> Compound:
-    parts = node.parts
+    return _joined(node, [part.built() for part in node.parts])
+
+
+def _joined(node: Assembly, made: list[tuple[bodies.Built, ...]]) -> Compound:
+    """The body of what its parts are made of."""
     bodies_ = [
-        _compound(part.built(), part._placement, "" if part is node else part.path.removeprefix(node.path + "/"), None)
-        for part in parts
+        _compound(own, part._placement, "" if part is node else part.path.removeprefix(node.path + "/"), None)
+        for part, own in zip(node.parts, made, strict=True)
     ]
     pieces = itertools.chain.from_iterable(body.pieces for body in bodies_)
     shown = None
     if not all(body.is_shown_as_it_is for body in bodies_):
         shown = lambda: (piece for body in bodies_ for piece in body.shown)  # noqa: E731
+    cut = None
+    if any(x.cut is not None for own in made for x in own):
+        cut = cache(lambda: _joined(node, [tuple(x.as_triangles() for x in own) for own in made]))
     deviation = max(body.deviation for body in bodies_)
-    return Compound(pieces, deviation=deviation, unit=node.unit, source=node._source, shown=shown, name=node.name)
+    return Compound(
+        pieces, deviation=deviation, unit=node.unit, source=node._source, shown=shown, cut=cut, name=node.name
+    )
 
 
 def _compound(made: tuple[bodies.Built, ...], placement: Matrix, path: str, unit: str | None) -> Compound:
@@ -310,7 +319,10 @@ def _compound(made: tuple[bodies.Built, ...], placement: Matrix, path: str, unit
     shown = None
     if any(x.shown is not None for x in made):
         shown = lambda: (replace(piece, path=path) for x in made for piece in x.drawn())  # noqa: E731
-    whole = Compound(pieces, shown=shown, deviation=max(x.deviation for x in made), unit=unit)
+    cut = None
+    if any(x.cut is not None for x in made):
+        cut = cache(lambda: _compound(tuple(x.as_triangles() for x in made), IDENTITY, path, unit))
+    whole = Compound(pieces, shown=shown, cut=cut, deviation=max(x.deviation for x in made), unit=unit)
     return whole if placement == IDENTITY else whole._mapped(placement)
 
 

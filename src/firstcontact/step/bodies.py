@@ -42,13 +42,19 @@ class Wanted:
 @dataclass(frozen=True)
 class Built:
     """pieces: bodies in the part's own frame; deviation: of their faces from the file's, a bound; solid: what they were
-    made of; shown: makes polyhedra for pictures, None: the pieces; why: they do not lie on the very surfaces."""
+    made of; shown: makes polyhedra for pictures, None: the pieces; why: they do not lie on the very surfaces; cut:
+    makes triangles instead, None of polyhedra."""
 
     pieces: tuple[Piece, ...]
     deviation: float
     solid: Solid
     shown: Callable[[], tuple[Piece, ...]] | None = None
     why: str | None = None
+    cut: Callable[[], Built] | None = None
+
+    def as_triangles(self) -> Built:
+        """The same, if it is of polyhedra."""
+        return self if self.cut is None else self.cut()
 
     @property
     def exact(self) -> bool:
@@ -97,6 +103,10 @@ def _built(solid: Solid, wanted: Wanted) -> Built:
             return _by_surfaces(solid, wanted)
         except (cells.NotExact, InputError) as reason:  # of a broken solid no triangles are made either
             why = str(reason)
+    return _by_triangles(solid, wanted, why)
+
+
+def _by_triangles(solid: Solid, wanted: Wanted, why: str) -> Built:
     net = triangulated(solid, DEVIATION * solid.size if wanted.deviation is None else wanted.deviation)
     _check_volume(solid, net.points[net.triangles], net.deviation)
     piece = _mesh_piece(solid, net)
@@ -114,7 +124,7 @@ def _by_surfaces(solid: Solid, wanted: Wanted) -> Built:
     ]
     _check_volume(solid, rough.corners, rough.deviation + off)
     shown = cache(lambda: (_mesh_piece(solid, triangulated(solid, cells.ROUGH * solid.size)),))
-    return Built(tuple(exact), off, solid, shown)
+    return Built(tuple(exact), off, solid, shown, cut=cache(lambda: _by_triangles(solid, wanted, "asked for")))
 
 
 def _mesh_piece(solid: Solid, net: Net) -> Piece:
