@@ -38,7 +38,7 @@ from step_scenes import assembly_scene, many_bodies
 POINTS, CLOSE, MOST_STEPS, ROUNDING = 100_000, 1e-6, 200, 1e-7
 SIDES, JUST = 25, 1e-6
 LOAD_BAR, RATIO_BAR, SCENE_BAR, MANY_BAR, SCREEN = 5.0, 20.0, 10.0, 5.0, 50
-LOAD = "import sys, firstcontact as fc; fc.load_step(sys.argv[1], surfaces=sys.argv[2] == '1').body"
+LOAD = "import sys, firstcontact as fc; fc.load_step(sys.argv[1], surfaces=None if sys.argv[2] == '1' else False).body"
 TOPOLOGY = {"face": "ADVANCED_FACE", "edge": "EDGE_CURVE", "vertex": "VERTEX_POINT"}
 
 
@@ -154,7 +154,7 @@ def pairs(part: Part, rng: np.random.Generator) -> list[Query]:
     middle = 0.5 * (lo + hi)
     shape, kinds = root._shape.shape, checked(part.path)
     pin = pointed(0.03 * size, 0.3 * size)
-    ours = fc.from_shape(pin, name="pin", unit=root.unit, surfaces=True)
+    ours = fc.from_shape(pin, name="pin", unit=root.unit)
     found = []
     for _ in range(SIDES):
         direction = rng.normal(size=3)
@@ -209,7 +209,7 @@ def measured(path: Path) -> Part:
     """Points and directions are drawn for each part from a seed of its own, whatever else is measured."""
     rng = np.random.default_rng(list(path.stem.encode()))
     meshed, own = (ran(sys.executable, "-c", LOAD, str(path), surfaces)[0] for surfaces in "01")
-    part = Part(path, fc.load_step(path, surfaces=True), meshed, own)
+    part = Part(path, fc.load_step(path), meshed, own)
     if part.root._shape is not None:
         part.queries = pairs(part, rng)
         part.off = wrong_points(part.root, rng) if part.root.exact else None
@@ -252,7 +252,7 @@ Written by `python benchmarks/step.py`; plate, gear and bracket are made by `ste
 
 ## Loading
 
-From the file to the body, as triangles and (`surfaces=True`) as exact pieces where it can be had so; wrong: of
+From the file to the body, as triangles (`surfaces=False`) and as exact pieces where it can be had so; wrong: of
 {points:,} points in the box of an exact part those that OpenCASCADE has on the other side, beyond the deviation.
 
 {loads}

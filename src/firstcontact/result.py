@@ -177,13 +177,17 @@ class _Deferring(_NoTruth):
     _rest: Callable[[], dict[str, Any]]
 
     @classmethod
-    def deferring(cls, known: dict[str, object], rest: Callable[[], dict[str, object]]) -> Self:
-        """The record with the fields `known`; `rest` gives all others, or some and, as "_rest", what gives the rest."""
+    def deferring(cls, known: dict[str, object], rest: Callable[[], dict[str, object]], later: str = "") -> Self:
+        """The record with the fields `known`; `rest` gives all others, or some and, as "_rest", what gives the rest.
+
+        Of what is seldom told, None where it is not known, the field `later` alone is left to `rest`.
+        """
         record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
         put["_rest"](record, rest)
         put["keeps_bodies"](record, False)
-        for name in ("allowed", "model_deviation", "unit"):
-            put[name](record, None)
+        for name in ("allowed", "model_deviation", "unit", "within_deviation"):
+            if name != later:
+                put[name](record, None)
         put["joints"](record, ())
         for name, value in known.items():
             put[name](record, value)
@@ -526,6 +530,10 @@ class ContactFields(TypedDict, total=False):
     subproblems: tuple[Subproblem, ...]
 
 
+WITHIN = "no deeper than the parts deviate from the file's"
+"""What is said of an overlap that `within_deviation` tells of."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)  # arrays have no single truth: see `Answer`
 class FirstContact(_Deferring, Shown):
     """The earliest time at which two moving bodies share a point, or the proof that they share none.
@@ -553,6 +561,9 @@ class FirstContact(_Deferring, Shown):
     model_deviation of parts of CAD files: how far the two bodies as built, about which all of this is proved, are from
                     the file's at most, both together; None of bodies that stand for themselves.
     unit            of lengths, where a file tells it.
+    within_deviation of parts of CAD files that overlap at the start: whether it is proved that no common point is
+                    farther from the surfaces of both than these deviate from the file's, so that the file's parts may
+                    as well only touch, or not meet; False: not proved.
     """
 
     status: Status
@@ -579,6 +590,7 @@ class FirstContact(_Deferring, Shown):
     keeps_bodies: bool = False
     model_deviation: float | None = None
     unit: str | None = None
+    within_deviation: bool | None = None
 
     def __repr__(self) -> str:
         when = "" if self.time is None else f" at time {self.time!r}"
@@ -604,7 +616,8 @@ class FirstContact(_Deferring, Shown):
         met = None if self.element_a is None else f"{self.element_a} meets {self.element_b}"
         if self.status is Status.INITIAL_CONTACT:
             elements = "" if met is None else f"; {met}"
-            return f"{names}: INITIAL_CONTACT ({self.initial}) at time {self.time!r}\n {where}{elements}"
+            depth = "" if not self.within_deviation else f"\n  {WITHIN}: whether the file's overlap is not told"
+            return f"{names}: INITIAL_CONTACT ({self.initial}) at time {self.time!r}\n {where}{elements}{depth}"
         assert self.time_interval is not None
         more = f" (and {self.multiplicity - 1} more pairs)" if self.multiplicity > 1 else ""
         exactly = "" if self.time_exact is None else f"\n  exactly {_told(self.time_exact)}"
@@ -639,6 +652,7 @@ class FirstContact(_Deferring, Shown):
             "reason": self.reason,
             "allowed": self.allowed,
             **_models_table(self),
+            **({} if self.within_deviation is None else {"within_deviation": self.within_deviation}),
             "subproblems": [x.to_dict() for x in self.subproblems],
             **({"joints": [x.to_dict() for x in self.joints]} if self.joints else {}),
             "stats": self.stats.to_dict(),

@@ -71,3 +71,44 @@ def test_parts_of_two_solids_are_looked_at_piece_by_piece(tmp_path):
         if fc.first_contact(p.body, q.body).status is fc.Status.FREE
     ]  # fmt: skip
     assert hit.time == min(x.time for x in each if x.time is not None) < 0.75
+
+
+END, REACH = 0.75, 5.0
+"""Of an arm with a round end: its radius, and how far its middle is from the hinge."""
+
+
+def arm():
+    """Along x, about a bore of radius 1 along z, between z = 0 and 1."""
+    made = shapes.fuse(shapes.cylinder(2, 1), shapes.box((REACH, 2 * END, 1), (0, -END, 0)))
+    made = shapes.fuse(made, shapes.cylinder(END, 1, (REACH, 0, 0)))
+    return shapes.cut(made, shapes.cylinder(1, 3, (0, 0, -1)))
+
+
+def stand(pin, place, post):
+    """A plate with a pin in the bore and a post, both along z."""
+    made = shapes.fuse(shapes.box((14, 14, 1), (-7, -7, -1.5)), shapes.cylinder(pin, 3, (0, 0, -1)))
+    return shapes.fuse(made, shapes.cylinder(post, 3, (*place, -1)))
+
+
+FAR = 5.6
+CURVED = [  # the pin; how far the post is from the hinge; the angle between it and the arm at which the two meet
+    (1.0, 3.0, lambda post: np.arcsin((END + post) / 3.0)),  # on the arm's flat side
+    (0.9, FAR, lambda post: np.arccos((REACH**2 + FAR**2 - (END + post) ** 2) / (2 * REACH * FAR))),  # its round end
+]
+
+
+@pytest.mark.parametrize(("pin", "far", "between"), CURVED, ids=["side", "end"])
+def test_an_arm_with_a_round_end_turns_about_its_pin_onto_a_post(pin, far, between):
+    """By the sides of the triangle of hinge, end and post; a pin that fits touches all the way, and is let pass."""
+    post, at = 0.5, np.radians(130)
+    lid = fc.from_shape(arm(), name="arm", unit="mm")
+    frame_shape = stand(pin, (far * np.cos(at), far * np.sin(at)), post)
+    frame = fc.from_shape(frame_shape, name="stand", unit="mm")
+    assert all(isinstance(p.body, fc.CompositeQuadric) for p in (*lid.pieces, *frame.pieces))
+    moving = lid.moving(fc.Rotation((0, 0, 1), degrees=180))
+    hit = fc.first_new_contact(moving, frame) if pin == 1.0 else fc.first_contact(moving, frame)
+    assert hit.status is fc.Status.CONTACT and hit.allowed == ("touching at the start" if pin == 1.0 else None)
+    assert hit.time * np.pi == pytest.approx(at - between(post), abs=1e-11)
+    lo, hi = hit.time_interval
+    assert lo - 1e-15 <= (at - between(post)) / np.pi <= hi + 1e-15
+    assert hit.model_deviation < 1e-12 and {hit.element_a.kind, hit.element_b.kind} <= {"face", "edge"}

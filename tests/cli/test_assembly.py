@@ -187,7 +187,7 @@ def test_motions_that_are_none(command, meshes, options, says):
 
 def test_a_scene_moves_by_its_own_words(command, scene):
     code, _, err = command("check", scene(STAND), "--move", "1 0 0")
-    assert code == 3 and "--move and --turn are for mesh files" in err
+    assert code == 3 and "--move and --turn are for mesh and STEP files" in err
 
 
 def test_python_says_what_the_command_says(scene, command):

@@ -85,7 +85,7 @@ BODIES = {}
 
 def made(name):
     if name not in BODIES:
-        BODIES[name] = (shape := SHAPES[name]()), fc.from_shape(shape, name=name, surfaces=True)
+        BODIES[name] = (shape := SHAPES[name]()), fc.from_shape(shape, name=name)
     return BODIES[name]
 
 
@@ -171,7 +171,7 @@ def test_a_pin_along_walls_is_told_without_algebra(monkeypatch):
     """It comes from afar to a side that several pieces have in common: told in doubles, and judged exactly at once."""
     monkeypatch.delattr(advance.PieceSearch, "_close_up")
     made = plate(3, 1)
-    part, tip = (fc.from_shape(x, name=name, surfaces=True) for x, name in ((made, "plate"), (pin(), "pin")))
+    part, tip = (fc.from_shape(x, name=name) for x, name in ((made, "plate"), (pin(), "pin")))
     assert len(part.pieces) > 1
     hit = fc.first_contact(tip.translated((90, -80, -70)).moving(fc.Translation((-100, 100, 86))), part)
     assert hit.stats.exact_evaluations == 0 and hit.contact_set == "segment"
@@ -183,7 +183,7 @@ def test_a_pin_along_walls_is_told_without_algebra(monkeypatch):
 @pytest.mark.parametrize("turn", [None, ((1, 2, 3), 0.7)])
 def test_a_cone_ends_at_its_tip(turn):
     """Its other nappe was part of the pin, up to the wall of the cell."""
-    tip = fc.from_shape(shapes.moved(pin(), (0, 0, 0), turn), name="pin", surfaces=True)
+    tip = fc.from_shape(shapes.moved(pin(), (0, 0, 0), turn), name="pin")
     assert isinstance(tip.pieces[0].body, fc.CompositeQuadric)
     floor = fc.box((40, 40, 2)).translated((0, 0, -11))  # its top is at z = -10
     back = tip if turn is None else tip.rotated(turn[0], degrees=-np.degrees(turn[1]))
@@ -201,14 +201,14 @@ def test_pieces_are_in_the_boxes_that_windows_are_made_of(name):
 
 def test_what_points_do_not_see_is_found_by_its_edges(monkeypatch):
     monkeypatch.setattr("firstcontact.step.carriers.Carrier.beyond", lambda *_: False)
-    body = fc.from_shape(pin(), name="pin", surfaces=True)
+    body = fc.from_shape(pin(), name="pin")
     assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces)
 
 
 def test_a_sliver_of_a_cell_beside_a_tangent_is_not_taken_for_the_solid():
     """A wall between cells leaves a tenth of a slot's side, along which no point was asked; the edge of what was added
     lay in that wall, to within rounding, and was left out."""
-    part = fc.from_shape(slot(), name="slot", surfaces=True)
+    part = fc.from_shape(slot(), name="slot")
     rng = np.random.default_rng(2)
     along = rng.uniform(0.01, 0.3, 200)
     height = (RADIUS - np.sqrt(RADIUS**2 - along**2)) * rng.uniform(0.05, 0.95, 200)
@@ -220,14 +220,14 @@ def test_a_sliver_of_a_cell_beside_a_tangent_is_not_taken_for_the_solid():
 def test_a_sliver_too_thin_to_be_cut_away_counts_as_deviation(monkeypatch):
     """The same one, where what is as thin as that is left."""
     monkeypatch.setattr(cells, "SURELY", 1e-3)
-    part = fc.from_shape(slot(), name="slot", surfaces=True)
+    part = fc.from_shape(slot(), name="slot")
     depth = RADIUS - np.sqrt(RADIUS**2 - (14.576171875 - X) ** 2)  # at the wall
     assert part.deviation == pytest.approx(depth, rel=1e-6) and part.contains([[14.57, Y - RADIUS + 1e-3, 1.5]]).all()
 
 
 def test_solids_far_from_the_origin_are_whole():
     shape = shapes.moved(pin(), (5000, 300, -70))
-    body = fc.from_shape(shape, surfaces=True)
+    body = fc.from_shape(shape)
     points = np.random.default_rng(5).uniform((4999, 299, -71), (5001, 301, -62), (700, 3))
     assert isinstance(body.pieces[0].body, fc.CompositeQuadric)
     assert (body.contains(points) == inside(shape, points)).all()
@@ -236,14 +236,14 @@ def test_solids_far_from_the_origin_are_whole():
 def test_tangents_that_rounding_hides_are_not_called_exact():
     """Of a tilted box with fillets spheres and cylinders are tangent but for 1e-16: no exact arithmetic takes them."""
     shape = shapes.moved(rounded(), (0, 0, 0), ((1, 2, 3), 0.7))
-    body = fc.from_shape(shape, deviation=0.01, surfaces=True)
+    body = fc.from_shape(shape, deviation=0.01)
     assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces) and body.deviation > 1e-4
     assert fc.first_contact(fc.sphere(1).translated((0, 0, 9)).moving(fc.Translation((0, 0, -9))), body).time > 0
 
 
 def test_solids_with_other_faces_are_triangles():
     for shape in (shapes.torus(3, 1), shapes.wave()):
-        body = fc.from_shape(shape, deviation=0.02, surfaces=True)
+        body = fc.from_shape(shape, deviation=0.02)
         assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces) and body.deviation > 1e-6
 
 
@@ -264,7 +264,7 @@ def test_answers_of_parts_are_named_by_their_faces():
 def test_random_machined_parts_are_as_open_cascade_has_them(seed):
     """A share of benchmarks/step_random.py."""
     shape = step_random.part(seed)
-    body = fc.from_shape(shape, surfaces=True)
+    body = fc.from_shape(shape)
     assert any(isinstance(piece.body, fc.CompositeQuadric) for piece in body.pieces)
     assert step_random.differing(shape, body, step_random.asked_points(body, seed, 400)) == []
 

@@ -196,7 +196,7 @@ def test_shapes_of_other_libraries_are_bodies():
     hit = fc.first_contact(fc.Moving(knob, fc.Translation((0, 0, -4))), Wrapped(shapes.box((1, 1, 1))))
     assert hit.time == 0.25 and hit.element_a.body == "knob"
     assert fc.from_shape(knob, unit="mm").unit == "mm"
-    with pytest.raises(fc.InputError, match="only curved pieces tell"):
+    with pytest.raises(fc.InputError, match="polyhedra do not tell"):
         fc.from_shape(knob).contains([(0, 0, 0)])
     with pytest.raises(fc.InputError, match="is no shape of OpenCASCADE"):
         fc.from_shape("knob")

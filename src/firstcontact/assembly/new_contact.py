@@ -10,14 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from firstcontact import query
 from firstcontact.assembly.kept import step_ends
+from firstcontact.body.compound.compound import both_taken_in
 from firstcontact.contact.ways import tried
 from firstcontact.exact.numbers import exact_value, fraction, to_double
+from firstcontact.motion.moving import shape_of
 from firstcontact.motion.span import common_span
-from firstcontact.result import ContactIntervals, Element, ElementPair, FirstContact, Status
+from firstcontact.result import WITHIN, ContactIntervals, Element, ElementPair, FirstContact, Status
 from firstcontact.work import Progress
 
 if TYPE_CHECKING:
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from firstcontact.work import Arguments
 
 TOUCHING = "touching at the start"
+WITHIN_TRIANGLES = "no deeper than twice what their triangles deviate from the file's"
 MOST_STEPS = 100
 """Of motions that are looked at step by step."""
 LASTING = "contact"
@@ -97,7 +100,10 @@ def first_new_contact(
     and on the axis about which they turn; every other shared point is new, inside solids too.  Then `allowed` says
     "touching at the start", Status.FREE proves that there is no new contact at any time of the span, and what is not
     decided is UNDECIDED: reason "contact" where contact lasts and no proof tells old from new.  Bodies that overlap at
-    the start, or of which neither is proved (`initial` None), are in INITIAL_CONTACT as ever.
+    the start, or of which neither is proved (`initial` None), are in INITIAL_CONTACT as ever, but for parts of files
+    that overlap no deeper than they deviate from these, or than twice what they would as triangles: of them the first
+    contact deeper than that is told, by the parts as they are when each is taken in by what it deviates; FREE proves
+    that there is none.
 
     Arguments as in `first_contact`; the budget is that of each question asked on the way.
 
@@ -110,6 +116,31 @@ def first_new_contact(
     """
     arguments: Arguments = {"exact": exact, "tolerance": tolerance, "budget": budget, "progress": progress}
     first = query.first_contact(a, b, span, **arguments)
+    if first.status is not Status.INITIAL_CONTACT or first.initial == "touching":
+        return _after_touch(first, span, arguments)
+    found = _deeper(first, span, arguments)
+    return _after_touch(first, span, arguments) if found is None else found
+
+
+def _deeper(first: FirstContact, span: Sequence[Given] | None, arguments: Arguments) -> FirstContact | None:
+    """Of parts of files the first contact deeper than they deviate, or than twice what they would as triangles; None
+    where they are in contact so deep at the start, or deviate by nothing."""
+    known: list[Any] = []
+    for cut, depth in ((False, WITHIN), (True, WITHIN_TRIANGLES)):
+        inner = both_taken_in(first.a, first.b, cut=cut)
+        if inner is None or (known and all(shape_of(x) is y for x, y in zip(inner, known, strict=True))):
+            continue
+        known = [shape_of(x) for x in inner]
+        found = _after_touch(query.first_contact(*inner, span, **arguments), span, arguments)
+        if found.status is not Status.INITIAL_CONTACT:
+            how = f"{first.initial or 'in contact'} at the start, {depth}"
+            told = f"{how}; of {'these' if cut else 'the parts'} taken in by that"
+            return replace(found, a=first.a, b=first.b, stats=first.stats + found.stats, allowed=told)
+    return None
+
+
+def _after_touch(first: FirstContact, span: Sequence[Given] | None, arguments: Arguments) -> FirstContact:
+    """The first new contact, from the first contact on; that one where the bodies do not touch at the start."""
     if first.status is not Status.INITIAL_CONTACT or first.initial not in ("touching", None):
         return first
     from firstcontact.contact.mesh_model import as_polyhedra  # loads what solids need

@@ -44,7 +44,7 @@ def progress(result: FirstContact | ContactIntervals, unit: str = "") -> str:
         time = result[0].start if len(result) else result.free_until
     if time is None or not math.isfinite(time):
         return ""
-    told = (_told(x, time, unit) for x in (result.a, result.b) if isinstance(x, Moving))
+    told = (_told(x, time, unit or result.unit or "") for x in (result.a, result.b) if isinstance(x, Moving))
     return "; ".join(x for x in told if x)
 
 

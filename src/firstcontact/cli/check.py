@@ -13,7 +13,8 @@ def check(files: tuple[str, ...], options: common.Options, png: str | None) -> i
     """Find the first contact of each pair.
 
     SCENE is a TOML file; without a [[check]] table every pair of its bodies is checked, but for those at rest with each
-    other.  Of two or more MESH files the first one moves, by --move or --turn, and is checked against the others.
+    other.  Of two or more mesh or STEP FILEs the first one moves, by --move or --turn, and is checked against the
+    others.
 
     Where it is [[allow]]ed that bodies touch at the start, it is the first new contact.
     """

@@ -48,6 +48,7 @@ class Options:
     turn: str | None = None
     about: str | None = None
     degrees: str | None = None
+    triangles: bool = False
 
     @property
     def silent(self) -> bool:
@@ -63,11 +64,12 @@ _OUTPUTS = (
 _NO_MORE: More = MappingProxyType({})
 _SCENE = (click.argument("scene"),)
 _TIMES = (
-    click.argument("files", nargs=-1, required=True, metavar="SCENE | MESH MESH..."),
-    click.option("--move", metavar='"X Y Z"', help="The first mesh moves by this vector."),
-    click.option("--turn", metavar='"X Y Z"', help="The first mesh turns about an axis of this direction,"),
+    click.argument("files", nargs=-1, required=True, metavar="SCENE | FILE FILE..."),
+    click.option("--move", metavar='"X Y Z"', help="The first file's body moves by this vector."),
+    click.option("--turn", metavar='"X Y Z"', help="The first file's body turns about an axis of this direction,"),
     click.option("--about", metavar='"X Y Z"', help="through this point (0 0 0),"),
     click.option("--degrees", metavar="D", help="so far."),
+    click.option("--triangles", is_flag=True, help="Curved parts of STEP files become triangles: answers come sooner."),
     click.option("--all", is_flag=True, help="Print every answer in full, however many there are."),
     click.option("--csv", metavar="F|-", help="Write the results as CSV, row by row."),
     click.option("--jsonl", metavar="F|-", help="Write the results as JSON lines, each as soon as it is there."),
@@ -115,7 +117,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
 
     check_outputs(options)
     span = _parse_span(options.span)
-    scene = given_scene(files, options.move, options.turn, options.about, options.degrees)
+    scene = given_scene(files, options.move, options.turn, options.about, options.degrees, options.triangles)
     refuse_single(scene.path, scene.checks)
     from firstcontact.assembly.resting import moves
     from firstcontact.assembly.together import PairQuestion, answers

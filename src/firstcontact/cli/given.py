@@ -1,4 +1,4 @@
-"""What is to be looked at: a scene file, or mesh files and a motion of the first one."""
+"""What is to be looked at: a scene file, or mesh and STEP files and a motion of the first one."""
 
 from __future__ import annotations
 
@@ -12,25 +12,39 @@ from firstcontact.errors import InputError
 if TYPE_CHECKING:
     from fractions import Fraction
 
+    from firstcontact.body.compound.compound import Compound
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
     from firstcontact.motion.rotation import Rotation
     from firstcontact.motion.translation import Translation
     from firstcontact.scene.load import Scene
 
 
+STEP = (".stp", ".step", ".p21")
+
+
+def is_step(file: str) -> bool:
+    """By its name."""
+    return Path(file).suffix.lower() in STEP
+
+
 def given_scene(
-    files: tuple[str, ...], move: str | None, turn: str | None, about: str | None, degrees: str | None
+    files: tuple[str, ...], move: str | None, turn: str | None, about: str | None, degrees: str | None, triangles: bool
 ) -> Scene:
-    """The scene; of mesh files the first one moves, by what the options say."""
+    """The scene; of mesh and STEP files the first one moves, by what the options say."""
     from firstcontact.scene.load import load_scene
 
     asked = [x for x in (move, turn, about, degrees) if x is not None]
+    if triangles and not any(is_step(file) for file in files):
+        raise click.UsageError("--triangles is for STEP files: a scene says it by surfaces = false.")
     if len(files) == 1:
+        if is_step(files[0]):
+            raise click.UsageError(f"{files[0]} is one file alone: give two or more, of which the first moves.")
         if asked:
-            raise click.UsageError("--move and --turn are for mesh files: a scene says how its bodies move.")
+            raise click.UsageError("--move and --turn are for mesh and STEP files: a scene says how its bodies move.")
         return load_scene(files[0])
     if any(Path(file).suffix.lower() == ".toml" for file in files):
-        raise click.UsageError(f"{' '.join(files[1:])} is one too many: give one scene, or two or more meshes.")
-    return _of_files(files, _motion(move, turn, about, degrees))
+        raise click.UsageError(f"{' '.join(files[1:])} is one too many: give one scene, or two or more other files.")
+    return _of_files(files, _motion(move, turn, about, degrees), triangles)
 
 
 def _motion(
@@ -68,8 +82,17 @@ def _numbers(option: str, text: str, count: int) -> list[float | int | Fraction]
     return numbers
 
 
-def _of_files(files: tuple[str, ...], motion: Translation | Rotation | None) -> Scene:
+def _body(file: str, key: str, triangles: bool) -> Polyhedron | Compound:
+    if is_step(file):
+        from firstcontact.step.assembly import load_step
+
+        return load_step(file, surfaces=False if triangles else None).named(key)
     from firstcontact.body.polyhedron.polyhedron import Polyhedron
+
+    return Polyhedron.load(file, name=key)
+
+
+def _of_files(files: tuple[str, ...], motion: Translation | Rotation | None, triangles: bool) -> Scene:
     from firstcontact.scene.load import Check, Scene
 
     bodies: dict[str, Any] = {}
@@ -77,7 +100,7 @@ def _of_files(files: tuple[str, ...], motion: Translation | Rotation | None) -> 
         key, k = Path(file).stem, 2
         while key in bodies:
             key, k = f"{Path(file).stem}-{k}", k + 1
-        bodies[key] = Polyhedron.load(file, name=key)
+        bodies[key] = _body(file, key, triangles)
     first, *others = bodies
     if motion is not None:
         bodies[first] = bodies[first].moving(motion)

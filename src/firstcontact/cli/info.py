@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from firstcontact.body.told import count, mesh_kind, point
+from firstcontact.cli.given import is_step
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Shape
     from firstcontact.scene.load import Scene
 
-STEP = (".stp", ".step", ".p21")
 FEW = 8
 """Bodies of a scene of which everything is told."""
 MOST_LINES, MOST_NAMED = 12, 4
@@ -23,28 +23,30 @@ MOST_LINES, MOST_NAMED = 12, 4
 @click.command()
 @click.argument("file")
 @click.option("--all", "everything", is_flag=True, help="Tell all of every body, however many there are.")
-def info(file: str, everything: bool) -> int:
+@click.option("--triangles", is_flag=True, help="Of a STEP file: as it is with curved parts as triangles.")
+def info(file: str, everything: bool, triangles: bool) -> int:
     """Tell what is in a mesh, STEP or scene file.
 
     FILE: a scene (.toml), a STEP file (.stp, .step) or a mesh.  Printed: sizes, components, closed or open, bounds; of
-    STEP files the tree of parts, with their faces by kind and how exact each is; of solids of planes and quadrics every
-    face, edge and vertex by name; of ruled surfaces their directrices.  Of scenes of more than 8 bodies one line for
-    each kind and motion.
+    STEP files the tree of parts, with their faces by kind and how exact each is, or why it is not; of solids of planes
+    and quadrics every face, edge and vertex by name; of ruled surfaces their directrices.  Of scenes of more than 8
+    bodies one line for each kind and motion.
     """
-    suffix = Path(file).suffix.lower()
-    if suffix == ".toml":
+    if triangles and not is_step(file):
+        raise click.UsageError("--triangles is for STEP files: a scene says it by surfaces = false.")
+    if Path(file).suffix.lower() == ".toml":
         lines: Iterable[str] = _scene_lines(file, everything)
     else:
-        lines = _step_lines(file) if suffix in STEP else _mesh_lines(file)
+        lines = _step_lines(file, triangles) if is_step(file) else _mesh_lines(file)
     for line in lines:
         click.echo(line)
     return 0
 
 
-def _step_lines(file: str) -> Iterable[str]:
+def _step_lines(file: str, triangles: bool) -> Iterable[str]:
     from firstcontact.step.told import lines
 
-    return lines(file)
+    return lines(file, surfaces=False if triangles else None)
 
 
 def _mesh_lines(file: str) -> list[str]:

@@ -94,7 +94,8 @@ def _contact(result: FirstContact | ContactIntervals, unit: str) -> str:
     met = ""
     if result.element_a is not None and result.element_b is not None:
         met = f"{_short(result.element_a)} meets {_short(result.element_b)}{where}"
-    how = f"{result.initial} at the start" if result.initial else done
+    within = " within the deviation" if result.within_deviation else ""
+    how = f"{result.initial} at the start{within}" if result.initial else done
     return "; ".join(x for x in (f"  {result.time:<12.9g} {_pair(result)}", how, met) if x)
 
 

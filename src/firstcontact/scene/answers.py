@@ -240,6 +240,7 @@ class FirstTable(_TimesTable):
     contact_set: StrictStr | None = None
     contact_points: Triples | None = None
     allowed: StrictStr | None = None
+    within_deviation: StrictBool | None = None
     subproblems: list[SubproblemTable] = []
     joints: list[JointValueTable] = []
 
@@ -260,6 +261,7 @@ class FirstTable(_TimesTable):
             contact_set=kind if kind is None or points is None else ContactSet(kind, points),
             subproblems=tuple(x.build() for x in self.subproblems),
             allowed=self.allowed,
+            within_deviation=self.within_deviation,
             joints=tuple(x.build() for x in self.joints),
         )
 

@@ -248,7 +248,7 @@ class StepBody(_BodyTable):
     part: StrictStr | None = None
     unit: StrictStr | None = None
     deviation: Annotated[Number, Field(gt=0)] = None
-    surfaces: StrictBool = False
+    surfaces: StrictBool | None = None
 
     def build(self, key: str | None, folder: Path) -> Shape:
         from firstcontact.step.assembly import load_step

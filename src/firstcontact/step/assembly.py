@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -150,17 +150,18 @@ class Assembly:
 
 
 def load_step(
-    path: str | Path, *, unit: str | None = None, deviation: Given = None, surfaces: bool = False
+    path: str | Path, *, unit: str | None = None, deviation: Given = None, surfaces: bool | None = None
 ) -> Assembly:
     """The tree of a STEP file: parts by name, in their places, with colours, in the file's unit.
 
-    Solids of planes become polyhedra with these very planes (`part.exact`), all others triangles, whose deviation from
+    Solids of planes, cylinders, cones and spheres become bodies with these very surfaces (`part.exact`), where checks
+    of points, edges and vertices bear them out: checks, no proof.  All others become triangles, whose deviation from
     the file's faces is bounded by proof (`part.deviation`).
 
     unit: "mm", "cm", "m", "inch", ...: lengths are converted, exactly; default: the file's own.
-    deviation: of triangles, at most, in that unit; default 1e-4 of the size of each solid.
-    surfaces: solids of planes, cylinders, cones and spheres become bodies with these very surfaces, where checks of
-    points, edges and vertices bear them out, which takes a while; they are checks, no proof.
+    deviation: at most, in that unit; default 1e-4 of the size of each solid.
+    surfaces: True: curved solids have their own surfaces however long that takes, not only where it takes seconds;
+    False: all of them become triangles, whose answers come sooner.
 
     Raises InputError that names the entity of the file ("#123") which is broken, or says what to install: OpenCASCADE
     reads the file (python -m pip install 'firstcontact[step]').
@@ -189,7 +190,7 @@ def _root(
     scale = units.MILLIMETRES[read.unit] / units.MILLIMETRES[unit]
     source: dict[str, Any] = {"shape": "step", "file": called, "unit": unit}
     source |= {} if wanted.deviation is None else {"deviation": wanted.deviation}
-    source |= {"surfaces": True} if wanted.surfaces else {}
+    source |= {} if wanted.surfaces is None else {"surfaces": wanted.surfaces}
     roots = [node for root in read.roots if (node := _solid_nodes(root)) is not None]
     if not roots:
         raise InputError(f"{called}: holds no solids, only curves or surfaces; export the model as solids")
@@ -202,7 +203,7 @@ def _root(
 
 def from_shape(
     shape: CadShape | TopoDS_Shape, *, name: str | None = None, unit: str | None = None, deviation: Given = None,
-    surfaces: bool = False,
+    surfaces: bool | None = None,
 ) -> Compound:  # fmt: skip
     """The body of a shape of build123d or CadQuery (anything with `.wrapped`), or of OpenCASCADE itself.
 
@@ -291,17 +292,26 @@ def _made(node: Node, name: str, above: str, before: Matrix, made: _Made) -> Ass
 
 @lru_cache(maxsize=256)
 def _body_of(node: Assembly) -> Compound:
-    parts = node.parts
+    return _joined(node, [part.built() for part in node.parts])
+
+
+def _joined(node: Assembly, made: list[tuple[bodies.Built, ...]]) -> Compound:
+    """The body of what its parts are made of."""
     bodies_ = [
-        _compound(part.built(), part._placement, "" if part is node else part.path.removeprefix(node.path + "/"), None)
-        for part in parts
+        _compound(own, part._placement, "" if part is node else part.path.removeprefix(node.path + "/"), None)
+        for part, own in zip(node.parts, made, strict=True)
     ]
     pieces = itertools.chain.from_iterable(body.pieces for body in bodies_)
     shown = None
     if not all(body.is_shown_as_it_is for body in bodies_):
         shown = lambda: (piece for body in bodies_ for piece in body.shown)  # noqa: E731
+    cut = None
+    if any(x.cut is not None for own in made for x in own):
+        cut = cache(lambda: _joined(node, [tuple(x.as_triangles() for x in own) for own in made]))
     deviation = max(body.deviation for body in bodies_)
-    return Compound(pieces, deviation=deviation, unit=node.unit, source=node._source, shown=shown, name=node.name)
+    return Compound(
+        pieces, deviation=deviation, unit=node.unit, source=node._source, shown=shown, cut=cut, name=node.name
+    )
 
 
 def _compound(made: tuple[bodies.Built, ...], placement: Matrix, path: str, unit: str | None) -> Compound:
@@ -309,7 +319,10 @@ def _compound(made: tuple[bodies.Built, ...], placement: Matrix, path: str, unit
     shown = None
     if any(x.shown is not None for x in made):
         shown = lambda: (replace(piece, path=path) for x in made for piece in x.drawn())  # noqa: E731
-    whole = Compound(pieces, shown=shown, deviation=max(x.deviation for x in made), unit=unit)
+    cut = None
+    if any(x.cut is not None for x in made):
+        cut = cache(lambda: _compound(tuple(x.as_triangles() for x in made), IDENTITY, path, unit))
+    whole = Compound(pieces, shown=shown, cut=cut, deviation=max(x.deviation for x in made), unit=unit)
     return whole if placement == IDENTITY else whole._mapped(placement)
 
 

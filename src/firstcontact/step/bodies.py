@@ -1,4 +1,4 @@
-"""What becomes of a solid: the file's own planes, or where it is wanted its quadrics, else triangles."""
+"""What becomes of a solid: the file's own planes and quadrics, else triangles."""
 
 from __future__ import annotations
 
@@ -23,30 +23,43 @@ if TYPE_CHECKING:
 
 DEVIATION = 1e-4
 """Of the size of a part: how far triangles are from its faces at most, unless it is said."""
+MOST_PIECES = 120
+"""That are made of one solid, those that are mended counted anew, where nobody asks for more: about five seconds."""
 
 
 @dataclass(frozen=True)
 class Wanted:
     """How parts are built.
 
-    deviation: of triangles, at most, in the unit of the file, or None.  surfaces: whether curved solids become pieces
-    with the file's own surfaces, where checks bear them out.
+    deviation: at most, in the unit of the file, or None.  surfaces: whether curved solids become pieces with the file's
+    own surfaces, where checks bear them out; None: where that takes seconds.
     """
 
     deviation: float | None = None
-    surfaces: bool = False
+    surfaces: bool | None = None
 
 
 @dataclass(frozen=True)
 class Built:
-    """pieces: bodies in the part's own frame; deviation: of their faces from the file's, a bound; exact: whether they
-    lie on the very surfaces; solid: what they were made of; shown: makes polyhedra for pictures, None: the pieces."""
+    """pieces: bodies in the part's own frame; deviation: of their faces from the file's, a bound; solid: what they were
+    made of; shown: makes polyhedra for pictures, None: the pieces; why: they do not lie on the very surfaces; cut:
+    makes triangles instead, None of polyhedra."""
 
     pieces: tuple[Piece, ...]
     deviation: float
-    exact: bool
     solid: Solid
     shown: Callable[[], tuple[Piece, ...]] | None = None
+    why: str | None = None
+    cut: Callable[[], Built] | None = None
+
+    def as_triangles(self) -> Built:
+        """The same, if it is of polyhedra."""
+        return self if self.cut is None else self.cut()
+
+    @property
+    def exact(self) -> bool:
+        """Whether its faces lie on the very surfaces of the file."""
+        return self.why is None
 
     def drawn(self) -> tuple[Piece, ...]:
         return self.pieces if self.shown is None else self.shown()
@@ -83,28 +96,35 @@ def _built(solid: Solid, wanted: Wanted) -> Built:
     if flat is not None:
         _check_volume(solid, flat.polyhedron.vertices[flat.polyhedron.triangles], flat.moved)
         piece = Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron))
-        return Built((piece,), flat.moved, True, solid)
-    if wanted.surfaces and (own := _by_surfaces(solid)) is not None:
-        return own
+        return Built((piece,), flat.moved, solid)
+    why = "asked for"
+    if wanted.surfaces is not False:
+        try:
+            return _by_surfaces(solid, wanted)
+        except (cells.NotExact, InputError) as reason:  # of a broken solid no triangles are made either
+            why = str(reason)
+    return _by_triangles(solid, wanted, why)
+
+
+def _by_triangles(solid: Solid, wanted: Wanted, why: str) -> Built:
     net = triangulated(solid, DEVIATION * solid.size if wanted.deviation is None else wanted.deviation)
     _check_volume(solid, net.points[net.triangles], net.deviation)
     piece = _mesh_piece(solid, net)
-    return Built((piece,), net.deviation, False, solid)
+    return Built((piece,), net.deviation, solid, why=why)
 
 
-def _by_surfaces(solid: Solid) -> Built | None:
-    """None where the file's surfaces are of other kinds, or checks do not bear the pieces out."""
-    try:
-        found, off, rough = cells.cells_of(solid)
-    except cells.NotExact:
-        return None
+def _by_surfaces(solid: Solid, wanted: Wanted) -> Built:
+    """Raises NotExact where the file's surfaces are of other kinds, or checks do not bear the pieces out."""
+    found, off, rough = cells.cells_of(solid, None if wanted.surfaces else MOST_PIECES)
+    if wanted.deviation is not None and off > wanted.deviation:
+        raise cells.NotExact(f"its edges are up to {off:.2g} off the surfaces that meet there")
     exact = [
         Piece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
         for x in found
     ]
     _check_volume(solid, rough.corners, rough.deviation + off)
     shown = cache(lambda: (_mesh_piece(solid, triangulated(solid, cells.ROUGH * solid.size)),))
-    return Built(tuple(exact), off, True, solid, shown)
+    return Built(tuple(exact), off, solid, shown, cut=cache(lambda: _by_triangles(solid, wanted, "asked for")))
 
 
 def _mesh_piece(solid: Solid, net: Net) -> Piece:

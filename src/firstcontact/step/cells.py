@@ -142,8 +142,10 @@ def _near_ones(forms: np.ndarray, points: np.ndarray, round_: np.ndarray) -> np.
     return found
 
 
-def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
+def cells_of(solid: Solid, most: int | None = None) -> tuple[list[Cell], float, Rough]:
     """The pieces, how far their edges are from the file's, and rough triangles.  Raises NotExact.
+
+    most: pieces that may be made, those that are made again counted anew.
 
     Points of all kinds are put to the pieces and to OpenCASCADE; what is learned of those of which they think
     differently, and of those around edges that the file has not, goes into the pieces, until none is left.
@@ -157,8 +159,11 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Rough]:
     boxes = list(_boxes(problem, _even(lo - room, solid.size), _even(hi + room, solid.size), 0))
     solved: list[Cell | None] = [None] * len(boxes)
     todo = list(range(len(boxes)))
-    doubtful, near = set(todo), dict[int, float]()
+    doubtful, near, made = set(todo), dict[int, float](), 0
     for _ in range(ROUNDS):
+        made += len(todo)
+        if most is not None and made > most:
+            raise NotExact(f"it takes more than {most} pieces")
         for k in todo:
             solved[k] = _solved(problem, *boxes[k])
             doubtful.add(k)
@@ -301,11 +306,12 @@ def _problem(solid: Solid) -> _Problem:
     surfaces: list[Surface] = []
     nappes: dict[int, Carrier] = {}
     numbers: dict[tuple[Any, ...], int] = {}
-    of_face = []
+    of_face: list[int] = []
     for face in solid.faces:
         carrier = carrier_of(face)
         if carrier is None:
-            raise NotExact("faces on other surfaces than planes, cylinders, spheres and single nappes of cones")
+            face_ = solid.named("face", len(of_face))
+            raise NotExact(f"{face_} is on no plane, cylinder, sphere or single nappe of a cone")
         k = numbers.setdefault((_key(carrier.surface), carrier.nappe), len(surfaces))
         if k == len(surfaces):
             surfaces.append(carrier.surface)

@@ -21,9 +21,9 @@ KINDS = {
 }  # fmt: skip
 
 
-def lines(file: str) -> Iterator[str]:
-    """The tree with a line for each part: faces by kind, size, and how exact it is."""
-    root = load_step(file)
+def lines(file: str, surfaces: bool | None = None) -> Iterator[str]:
+    """The tree with a line for each part: faces by kind, size, and how exact it is, or why it is not."""
+    root = load_step(file, surfaces=surfaces)
     parts = root.parts
     products = len({id(part._shape) for part in parts})
     of = "" if products == len(parts) else f" of {products} kinds"
@@ -59,7 +59,8 @@ def _told(part: Assembly) -> str:
     size = " x ".join(f"{b - a:.6g}" for a, b in zip(lo, hi, strict=True))
     deviation = max(x.deviation for x in made)
     if not all(x.exact for x in made):
-        kind = f"triangles, within {deviation:.2g} of its faces"
+        reasons = " and ".join(dict.fromkeys(x.why for x in made if x.why is not None))
+        kind = f"triangles, within {deviation:.2g} of its faces: {reasons}"
     elif deviation == 0.0:
         kind = "exact"
     else:

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.placing import Placing
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.polyhedron.taken_in import taken_in
 from firstcontact.body.told import count, point
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import above, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, compose
+from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.value import numbers
 from firstcontact.result import Element
 
@@ -23,6 +27,9 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
     from firstcontact.exact.numbers import Given
     from firstcontact.result import Json, Table
+
+
+_TAKEN_IN = Kept["Compound"]()
 
 
 class Names(Protocol):
@@ -56,6 +63,27 @@ class Piece:
         return replace(self, body=self.body._mapped(matrix), corners=_moved(self.corners, matrix))
 
 
+@dataclass(frozen=True, eq=False)
+class _TakenInNames:
+    """Of a mesh that was taken in: its elements are those of the mesh as it was."""
+
+    names: Names
+    mesh: Polyhedron
+
+    @cached_property
+    def edges(self) -> dict[tuple[int, int], int]:
+        return {(min(i, j), max(i, j)): k for k, (i, j) in enumerate(self.mesh.edges.tolist())}
+
+    def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
+        """As `Names`; sides of triangles within a polygon are the polygon."""
+        if kind == "edge":
+            i, j = body.edges[index].tolist()
+            if (known := self.edges.get((min(i, j), max(i, j)))) is not None:
+                return self.names.of(kind, known, self.mesh)
+            kind, index = "face", int(((body.triangles == i) | (body.triangles == j)).sum(axis=1).argmax())
+        return self.names.of(kind, int(self.mesh.triangle_face[index]) if kind == "face" else index, self.mesh)
+
+
 class Compound(Placing):
     """Several bodies as one: it meets what one of its pieces meets, and owns what one of them owns; immutable.
 
@@ -73,12 +101,13 @@ class Compound(Placing):
         unit: str | None = None,
         source: dict[str, Json] | None = None,
         shown: Callable[[], Iterable[Piece]] | None = None,
+        cut: Callable[[], Compound] | None = None,
         name: str | None = None,
     ) -> None:
         """source: the table of a scene that makes the same body, where a file does.  shown: makes the polyhedra
-        that pictures have instead of pieces."""
+        that pictures have instead of pieces.  cut: makes the same body of polyhedra, where it is not of such."""
         self.pieces = tuple(pieces)
-        self._shown = shown
+        self._shown, self._cut = shown, cut
         self.deviation, self.unit, self.name = deviation, unit, name
         self._source, self._matrix = source, IDENTITY
         self._search: dict[Any, Any] = {}
@@ -119,11 +148,36 @@ class Compound(Placing):
         ]
         return np.min([lo for lo, _ in boxes], axis=0), np.max([hi for _, hi in boxes], axis=0)
 
+    def as_triangles(self) -> Compound:
+        """The body with triangles for its curved surfaces, made when it is first asked for; itself without such."""
+        return self if self._cut is None else self._cut().named(self.name)
+
+    def taken_in(self) -> Compound | None:
+        """What is left where its polyhedra are taken in by its deviation; None where it has none, or rounding as much.
+
+        Every point of a solid that is farther from the solid's surface than the deviation is in it.
+        """
+        def made() -> Compound:
+            inner = [taken_in(x.body, self.deviation) if isinstance(x.body, Polyhedron) else None for x in self.pieces]
+            if all(mesh is None for mesh in inner):
+                return self
+            pieces = tuple(
+                x if mesh is None else replace(x, body=mesh, names=_TakenInNames(x.names, x.body), corners=None)
+                for x, mesh in zip(self.pieces, inner, strict=True)
+            )
+            return self._with(pieces=pieces, _shown=None, _cut=None, deviation=2.0 * self.deviation, _search={})
+
+        found = _TAKEN_IN.of(self, made)
+        return None if found is self else found
+
     def contains(self, points: np.ndarray | Sequence[Sequence[Given]]) -> np.ndarray:
         """(n,) bools: whether the (n, 3) points are in the closed body.  InputError where a piece is a polyhedron."""
         if not all(hasattr(piece.body, "contains") for piece in self.pieces):
             who = self.name or "compound"
-            raise InputError(f"{who}: only curved pieces tell what is in them; ask load_step(surfaces=True)")
+            raise InputError(
+                f"{who}: pieces that are polyhedra do not tell what is in them; ask first_contact with a point, "
+                "fc.Polyhedron([point], [])"
+            )
         found = [piece.body.contains(points) for piece in self.pieces]
         told: np.ndarray = np.any(found, axis=0)
         return told
@@ -137,9 +191,10 @@ class Compound(Placing):
     def _mapped(self, matrix: Matrix) -> Compound:
         pieces = tuple(piece.mapped(matrix) for piece in self.pieces)
         shown = None if self._shown is None else lambda: (piece.mapped(matrix) for piece in self.shown)
+        cut = None if self._cut is None else cache(lambda: self.as_triangles()._mapped(matrix))
         deviation = self.deviation * _stretch(matrix) if self.deviation else 0.0
         total = compose(matrix, self._matrix)
-        mapped = self._with(pieces=pieces, _shown=shown, deviation=deviation, _matrix=total, _search={})
+        mapped = self._with(pieces=pieces, _shown=shown, _cut=cut, deviation=deviation, _matrix=total, _search={})
         mapped.__dict__.pop("shown", None)
         return mapped
 
@@ -166,7 +221,8 @@ class Compound(Placing):
 
     def __getstate__(self) -> dict[str, object]:
         shown = None if self._shown is None else partial(tuple, self.shown)
-        return {**self.__dict__, "_search": {}, "_matrix": numbers(self._matrix), "_shown": shown}
+        cut = None if self._cut is None else partial(_itself, self.as_triangles())
+        return {**self.__dict__, "_search": {}, "_matrix": numbers(self._matrix), "_shown": shown, "_cut": cut}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         rows = tuple(tuple(rational(x, "matrix") for x in row) for row in state["_matrix"])
@@ -200,7 +256,31 @@ def _stretch(matrix: Matrix) -> float:
     return 1.0 if square == 1 else float(np.nextafter(np.sqrt(above(square)), np.inf))
 
 
+def _itself(body: Compound) -> Compound:
+    return body
+
+
+def both_taken_in(a: Body, b: Body, *, cut: bool = False) -> tuple[Body, Body] | None:
+    """Two bodies, at rest or moving, as `Compound.taken_in` leaves them, where they are compounds; None where none is.
+
+    Where these have no point in common, every common point of a and b is as near to the surface of one of their solids
+    as that body deviates from its file's.  cut: they become triangles first: then as near as twice what these deviate.
+    """
+    inner = [_taken_in(x, cut) for x in (a, b)]
+    if inner[0] is None and inner[1] is None:
+        return None
+    return (a if inner[0] is None else inner[0]), (b if inner[1] is None else inner[1])
+
+
+def _taken_in(body: Body, cut: bool) -> Body | None:
+    shape = shape_of(body)
+    if isinstance(shape, Compound) and cut:
+        shape = shape.as_triangles()
+    inner = shape.taken_in() if isinstance(shape, Compound) else None
+    return inner.moving(body.motion) if isinstance(body, Moving) and inner is not None else inner
+
+
 def deviation_of(body: Body) -> float | None:
     """Of a body at rest or moving; None of one that stands for itself."""
-    shape = getattr(body, "body", body)
+    shape = shape_of(body)
     return shape.deviation if isinstance(shape, Compound) else None

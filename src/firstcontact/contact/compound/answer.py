@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -58,8 +58,10 @@ def about_models(query: Query) -> dict[str, Any]:
     return {"model_deviation": sum(known) if known else None, "unit": units[0] if units else None}
 
 
-def combined(query: Query, sides: Sides, told: Sequence[Told]) -> FirstContact:
-    """The first contact of the bodies."""
+def combined(
+    query: Query, sides: Sides, told: Sequence[Told], is_within_deviation: Callable[[], bool | None]
+) -> FirstContact:
+    """The first contact of the bodies; is_within_deviation: of a start in contact, asked when it is first read."""
     stats = query.stats()
     for x in told:
         stats = stats + replace(x.found.stats, seconds=0.0, ways=())
@@ -67,7 +69,12 @@ def combined(query: Query, sides: Sides, told: Sequence[Told]) -> FirstContact:
     known = {**query.shared, **about_models(query), "subproblems": problems}
     initial = [x for x in told if x.found.status is Status.INITIAL_CONTACT]
     if initial:
-        return _initial(query, sides, initial, {**known, "stats": stats})
+        found = _initial(query, sides, initial, {**known, "stats": stats})
+        if found.initial == "touching":
+            return found
+        later = "within_deviation"
+        given = {field.name: getattr(found, field.name) for field in fields(found) if field.name != later}
+        return FirstContact.deferring(given, lambda: {later: is_within_deviation()}, later)
     open_ = [x.found for x in told if x.found.status is Status.UNDECIDED]
     met = [x for x in told if x.found.status is Status.CONTACT]
     until = min((x.free_until for x in open_ if x.free_until is not None), default=math.inf)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
+from firstcontact.body.compound.compound import both_taken_in, deviation_of
 from firstcontact.contact.compound.answer import Told, combined, joined
 from firstcontact.contact.compound.windows import Window, side_of, windows
 from firstcontact.errors import InputError, UnsupportedPair
@@ -59,7 +60,21 @@ def first(query: Query) -> FirstContact:
                 enough = exact_value(found.time_interval[1]) - room
         if query.progress is not None and k + 1 < len(asked):
             query.progress(min(below(asked[k + 1].first), query.span[1] if end is None else above(end)), k + 1)
-    return combined(query, sides, told)
+    return combined(query, sides, told, lambda: _is_within_deviation(query))
+
+
+def _is_within_deviation(query: Query) -> bool | None:
+    """Of bodies that overlap at the start: whether they do not, taken in by what they deviate from their files'; None
+    of bodies that deviate by nothing."""
+    from firstcontact.contact import table
+
+    if not any(map(deviation_of, query.bodies)):
+        return None
+    pair = both_taken_in(query.a, query.b)
+    if pair is None:
+        return False
+    found = table.first_contact(replace(query, a=pair[0], b=pair[1], last=query.first, exact=False, progress=None))
+    return found.status is Status.FREE or found.initial == "touching"
 
 
 def _about(
