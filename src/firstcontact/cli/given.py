@@ -81,4 +81,5 @@ def _of_files(files: tuple[str, ...], motion: Translation | Rotation | None) -> 
     first, *others = bodies
     if motion is not None:
         bodies[first] = bodies[first].moving(motion)
-    return Scene(Path(files[0]), bodies, tuple(Check(first, other) for other in others))
+    checks = tuple(Check(first, other) for other in others)
+    return Scene(Path(files[0]), bodies, checks, files=tuple(map(Path, files)))

@@ -12,5 +12,7 @@ def intervals(files: tuple[str, ...], options: common.Options) -> int:
     SCENE is a TOML file; without a [[check]] table every pair of its bodies is checked, but for those at rest with each
     other.  Of two or more MESH files the first one moves, by --move or --turn, and is checked against the others.
     """
+    with options.outputs(files) as out:
+        results = common.answer_checks(files, options, out, "contact_intervals")
     # An undecided rest of the span does not take back the intervals that are proved.
-    return common.exit_code_of(common.answer_checks(files, options, "contact_intervals"))
+    return common.exit_code_of(results)

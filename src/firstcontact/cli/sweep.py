@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from firstcontact.cli import common
+from firstcontact.cli.outputs import Outputs
 from firstcontact.errors import InputError
 
 
@@ -22,23 +23,23 @@ def sweep(scene: str, joint: str | None, rest: tuple[str, ...], target: str | No
     from firstcontact.mechanism.sweep import sweep_of, swept_joints
     from firstcontact.scene.load import load_scene
 
-    common.check_target(target, page)
-    loaded = load_scene(scene)
-    if loaded.linked is None:
-        raise InputError(f"{loaded.path}: no joints; add a [joint.NAME]")
-    mechanism = loaded.linked.mechanism
-    at = dict(_value(text) for text in rest)
-    results = []
-    for name in swept_joints(mechanism, joint):
-        results.append(sweep_of(mechanism, name, at))
-        if target != "-":
-            click.echo(str(results[-1]))
-    common.write_json(target, lambda: {"sweeps": [result.to_dict() for result in results]})
-    found = [pair for result in results for pair in result.found]
-    if page is not None:
-        from firstcontact.view.html import write_page
+    with Outputs({"--json": target, "--html": page}, [scene]) as out:
+        loaded = load_scene(scene)
+        out.refuse_read(loaded.files)
+        if loaded.linked is None:
+            raise InputError(f"{loaded.path}: no joints; add a [joint.NAME]")
+        mechanism = loaded.linked.mechanism
+        at = dict(_value(text) for text in rest)
+        results = []
+        for name in swept_joints(mechanism, joint):
+            results.append(sweep_of(mechanism, name, at))
+            out.say(str(results[-1]))
+        out.json("--json", lambda: {"sweeps": [result.to_dict() for result in results]})
+        found = [pair for result in results for pair in result.found]
+        if page is not None:
+            from firstcontact.view.html import write_page
 
-        common.write(page, lambda path: write_page(path, found))
+            out.file("--html", lambda path: write_page(path, found))
     return common.exit_code([pair.status.name for pair in found])
 
 

@@ -401,6 +401,8 @@ class Scene:
     """The mechanism that the joints make of the bodies."""
     tools: dict[str, Tool] = field(default_factory=dict)
     """What `firstcontact toolpath` moves."""
+    files: tuple[Path, ...] = ()
+    """What was read: the scene, and the files that it names."""
 
     @classmethod
     def load(cls, path: str | Path) -> Scene:
@@ -451,7 +453,19 @@ def load_scene(path: str | Path) -> Scene:
     checks, resting = _checks(path, scene, bodies, linked)
     curves, rules = tuple(_curves(path, scene)), tuple(_rules(path, scene))
     tools = {key: _tool(path, key, table) for key, table in scene.tool.items()}
-    return Scene(path, bodies, tuple(checks), curves, rules, scene.unit, resting, linked, tools)
+    files = (path, *_files(path.parent, tables))
+    return Scene(path, bodies, tuple(checks), curves, rules, scene.unit, resting, linked, tools, files)
+
+
+def _files(folder: Path, tables: Json) -> Iterator[Path]:
+    """The files that the tables name."""
+    waiting = [tables]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, dict):
+            if isinstance(file := value.get("file"), str):
+                yield folder / file
+            waiting += value.values()
 
 
 def _tool(path: Path, key: str, table: ToolTable) -> Tool:
