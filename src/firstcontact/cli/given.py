@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from firstcontact.cli.info import STEP
 from firstcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,12 +22,18 @@ def given_scene(
     files: tuple[str, ...], move: str | None, turn: str | None, about: str | None, degrees: str | None
 ) -> Scene:
     """The scene; of mesh files the first one moves, by what the options say."""
+    from firstcontact.io.meshes import FORMATS
     from firstcontact.scene.load import load_scene
 
     asked = [x for x in (move, turn, about, degrees) if x is not None]
     if len(files) == 1:
         if asked:
             raise click.UsageError("--move and --turn are for mesh files: a scene says how its bodies move.")
+        kind = Path(files[0]).suffix.lower()
+        if kind in FORMATS:
+            raise click.UsageError(f"{files[0]}: is one mesh: name another one, too, or a scene.")
+        if kind in STEP:
+            raise click.UsageError(f'{files[0]}: is a STEP file: give a scene in which it is a body (shape = "step").')
         return load_scene(files[0])
     if any(Path(file).suffix.lower() == ".toml" for file in files):
         raise click.UsageError(f"{' '.join(files[1:])} is one too many: give one scene, or two or more meshes.")

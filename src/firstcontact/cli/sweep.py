@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from firstcontact.cli import common
 from firstcontact.cli.outputs import Outputs
 from firstcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 
 @click.command()
@@ -30,6 +35,8 @@ def sweep(scene: str, joint: str | None, rest: tuple[str, ...], target: str | No
             raise InputError(f"{loaded.path}: no joints; add a [joint.NAME]")
         mechanism = loaded.linked.mechanism
         at = dict(_value(text) for text in rest)
+        if joint is not None and joint in at:
+            raise InputError(f"--at {joint}: this joint is driven; give values of others")
         results = []
         for name in swept_joints(mechanism, joint):
             results.append(sweep_of(mechanism, name, at))
@@ -43,8 +50,13 @@ def sweep(scene: str, joint: str | None, rest: tuple[str, ...], target: str | No
     return common.exit_code([pair.status.name for pair in found])
 
 
-def _value(text: str) -> tuple[str, str]:
+def _value(text: str) -> tuple[str, float | int | Fraction]:
+    from firstcontact.scene.values import parse_number
+
     name, sign, value = text.partition("=")
     if not sign:
         raise InputError(f"--at {text}: write NAME=VALUE")
-    return name, value
+    try:
+        return name, parse_number(value)
+    except ValueError as error:
+        raise InputError(f"--at {text}: {error}") from error

@@ -6,6 +6,7 @@ import csv
 import json
 from collections import Counter
 from contextlib import ExitStack
+from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
 import click
@@ -17,7 +18,9 @@ from firstcontact.errors import InputError
 if TYPE_CHECKING:
     from fractions import Fraction
 
+    from firstcontact.scene.load import Scene
     from firstcontact.toolpath.check import Verdict
+    from firstcontact.toolpath.rules import Allowed
 
 COLUMNS = (
     "line", "block", "status", "move", "part", "kind", "body", "contact", "fraction", "lo", "hi", "x", "y", "z",
@@ -63,6 +66,8 @@ def toolpath(
         raise InputError(f"{loaded.path}: no tool; add a [tool.NAME] with segments")
     path = ToolPath(program, start=None if start is None else _numbers(start), unit=loaded.unit)
     rules = () if strict else tuple(map(Allowed.read, allow)) or CUTTING
+    for text, rule in zip(allow, rules, strict=False):
+        _check_rule(text, rule, loaded)
     counts: Counter[str] = Counter()
     unknown: list[int] = []
     with ExitStack() as stack:
@@ -82,8 +87,20 @@ def toolpath(
             if every or verdict.status not in ("FREE", "UNKNOWN"):
                 for put in puts:
                     put(verdict)
+        if not counts:
+            raise InputError(f"{program}: nothing in it moves the tool; give the whole program")
         shown.say(_summary(counts, unknown))
     return common.exit_code("UNDECIDED" if x == "UNKNOWN" else x for x in counts)
+
+
+def _check_rule(text: str, rule: Allowed, scene: Scene) -> None:
+    """Refuse a rule that is about nothing, which would be a mistake."""
+    if not any(fnmatchcase(body, rule.body) for body in scene.bodies):
+        raise InputError(f"--allow {text}: no body {rule.body!r}; the bodies are {', '.join(scene.bodies)}")
+    segments = [segment for tool in scene.tools.values() for segment in tool.segments]
+    if not any(rule.names(segment) for segment in segments):
+        names = ", ".join(dict.fromkeys(x for segment in segments for x in (segment.kind, segment.name)))
+        raise InputError(f"--allow {text}: no part {rule.part!r}; the parts are {names}")
 
 
 def _numbers(text: str) -> list[float | int | Fraction]:

@@ -448,6 +448,7 @@ def load_scene(path: str | Path) -> Scene:
         scene = SceneTable.model_validate(tables)
     except ValidationError as error:
         raise InputError(f"{path}: {first_fault(error, tables)}") from error
+    _check_names(path, scene)
     bodies = {key: _build(path, key, body) for key, body in scene.body.items()}
     linked = _linked(path, scene, bodies)
     checks, resting = _checks(path, scene, bodies, linked)
@@ -496,7 +497,7 @@ def _linked(path: Path, scene: SceneTable, bodies: dict[str, Body]) -> Linked | 
 def _read(path: Path) -> dict[str, Json]:
     text = ""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
         tables = tomllib.loads(text)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
@@ -538,6 +539,20 @@ def _unread(text: str) -> str | None:
         if any(len(digits.replace("_", "")) > MOST_DIGITS for digits in re.findall(r"[\d_]+", line)):
             return f"line {number}: a number of more than {MOST_DIGITS} digits; give fewer"
     return None
+
+
+def _check_names(path: Path, scene: SceneTable) -> None:
+    """Answers tell bodies apart by their names, in one line."""
+    known: dict[str, str] = {}
+    for key, table in scene.body.items():
+        name = key if table.name is None else table.name
+        if not name.strip() or not name.isprintable():
+            raise InputError(f"{path}: body.{shown(key)}: no name to tell is {shown(name)}; give letters on one line")
+        if name in known:
+            raise InputError(
+                f"{path}: body.{key}: its name {name!r} is that of body.{known[name]}, too; give it one of its own"
+            )
+        known[name] = key
 
 
 def _build(path: Path, key: str, table: _BodyTable) -> Body:
