@@ -336,7 +336,7 @@ def test_bad_outputs(batch, queries):
     assert "end with .parquet, .csv, .jsonl" in batch(path, out="answers.txt")[0].err
     assert "cannot be written" in batch(path, out="none/answers.csv")[0].err
     outcome, _ = batch(path, out="queries.jsonl")
-    assert outcome.code == 3 and "holds the queries" in outcome.err
+    assert outcome.code == 3 and "is read for this answer" in outcome.err
     outcome, _ = batch(path, "--budget", 2**60 + 1)
     assert outcome.code == 3 and "budget is " in outcome.err
 

@@ -110,7 +110,7 @@ def test_errors_come_after_the_results_before_them(command, cubes, monkeypatch):
 def test_time_left_is_what_the_share_done_tells(monkeypatch):
     clock = [100.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
-    shown = Progress(False, 4)
+    shown = Progress(False, 4, print)
     shown.start("a / b", (0.0, 2.0))
     clock[0] += 30
     shown.report(1.0, 77)  # an eighth of all

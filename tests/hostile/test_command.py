@@ -14,6 +14,7 @@ SOURCE = Path(firstcontact.__file__).parents[1]
 BALL = 'shape = "sphere"\nradius = 1\n'
 BALLS = f"[body.a]\n{BALL}[body.b]\n{BALL}at = [0, 0, 5]\n"
 SLIDE = '[body.a.motion]\ntype = "translation"\nvector = [0, 0, 6]\n'
+STEP = '{ type = "translation", vector = [0, 0, 6] }'
 CHECK = '[[check]]\npair = ["a", "b"]\n'
 MESH = '[body.a]\nshape = "mesh"\nfile = "%s"\n[body.b]\n' + BALL
 DEEP = ".".join(["part.p"] * 2000)
@@ -51,6 +52,9 @@ SCENES = {
     "a table as radius": (ball(radius="{ a = 1 }"), "body.a.radius"),
     "a name of 5000 letters as shape": (ball(shape=f'"{"x" * 5000}"'), "body.a: shape"),
     "an unknown key of 5000 letters": (ball(**{"x" * 5000: "1"}), "body.a: unknown key"),
+    "a name twice": (BALLS.replace("at =", 'name = "a"\nat ='), "body.b: its name 'a' is that of body.a, too"),
+    "a name of two lines": (BALLS.replace("body.b", r'body."x\ny"'), r"no name to tell is 'x\ny'"),
+    "no letters as name": (BALLS.replace("body.b", 'body.""'), "no name to tell is ''"),
     "a number as name": (ball(name="5"), "body.a.name"),
     "a turn about nothing": (ball(rotate="{ axis = [0, 0, 0], degrees = 1 }"), "body.a.rotate: rotation axis is zero"),
     "a place of two numbers": (ball(at="[1, 2]"), "body.a.at: [1, 2] is not three numbers"),
@@ -111,6 +115,13 @@ def test_a_bad_scene_is_one_line_that_names_the_place(scene, capsys, name):
     assert len(lines[0]) < 2100
 
 
+def test_windows_writes_a_mark_before_a_scene(tmp_path, capsys):
+    """Notepad's UTF-8 begins with U+FEFF and ends lines by two letters."""
+    path = tmp_path / "scene.toml"
+    path.write_bytes((BALLS + SLIDE).replace("\n", "\r\n").encode("utf-8-sig"))
+    assert run(["check", str(path)]) == 1 and "a and b: CONTACT at" in capsys.readouterr().out
+
+
 LONG = "x" * 5000
 USAGE = {
     "a scene with a long name": (["check", LONG], "xxx: file name too long; give the path of a scene"),
@@ -132,6 +143,9 @@ USAGE = {
     "a box of 1e400": (["curve", "SCENE", "--box", *"000111"[:5], "1e400"], "--box: '1e400'"),
     "a time of words": (["curve", "SCENE", "--at", "noon"], "--at: 'noon' is not a number"),
     "curves of solids": (["curve", "SCENE", "--at", "0"], "curve a / b"),
+    "one mesh": (["check", "lid.stl"], "lid.stl: is one mesh: name another one, too, or a scene"),
+    "a part": (["intervals", "as1.STEP"], 'as1.STEP: is one STEP file: name another one, too, or a scene'),
+    "a span that leaves the motion's": (["check", "SEQUENCE", "--span", "0", "2"], "span (0, 2) leaves the span"),
     "info of nothing": (["info", ""], "unknown mesh format ''"),
     "info of a device": (["info", "/dev/null"], "/dev/null: unknown mesh format ''"),
     "a scene of nulls": (["check", "/dev/null"], "/dev/null: body: missing"),
@@ -141,8 +155,9 @@ USAGE = {
 @pytest.mark.parametrize("name", USAGE)
 def test_bad_usage_is_one_line_that_names_the_argument(scene, capsys, name):
     arguments, says = USAGE[name]
-    path = str(scene(BALLS + SLIDE))
-    assert run([path if argument == "SCENE" else argument for argument in arguments]) == 3
+    steps = SLIDE.replace('"translation"', '"sequence"').replace("vector = [0, 0, 6]", f"steps = [{STEP}]")
+    path = str(scene(BALLS + (steps if "SEQUENCE" in arguments else SLIDE)))
+    assert run([path if argument in ("SCENE", "SEQUENCE") else argument for argument in arguments]) == 3
     err = [line for line in capsys.readouterr().err.splitlines() if "kernels" not in line]
     assert len(err) == 1 and err[0].startswith("firstcontact: ") and says in err[0] and len(err[0]) < 2100
 

@@ -81,6 +81,17 @@ def test_a_prism_from_a_file_is_the_prism_from_arrays(tmp_path, writer):
     assert np.linalg.det(prism.vertices[prism.triangles]).sum() == pytest.approx(6 * 3)
 
 
+@pytest.mark.parametrize("writer", [obj, off, ply])
+def test_a_mark_before_the_text_is_no_part_of_it(tmp_path, writer):
+    """Editors on Windows write one: an OBJ file lost its first vertex, and its faces named the ones after theirs."""
+    last = [*VERTICES, (9, 9, 9)]  # so that all numbers are still of vertices
+    plain = read_mesh(written(tmp_path, writer, last))
+    path = tmp_path / f"marked.{writer.__name__}"
+    path.write_bytes(b"\xef\xbb\xbf" + writer(last, FACES))
+    vertices, faces = read_mesh(path)
+    assert np.array_equal(vertices, plain[0]) and list(map(list, faces)) == list(map(list, plain[1]))
+
+
 @pytest.mark.parametrize("writer", [obj, off, ply, binary_ply])
 def test_the_notch_is_free(tmp_path, writer):
     prism = fc.Polyhedron.load(written(tmp_path, writer))

@@ -107,6 +107,10 @@ def test_sweeps_refuse_what_they_cannot_do(scene, capsys):
     assert run(["sweep", str(scene(ARM.replace("limits = [-30, 150]", "")))]) == 3
     assert "has limits" in capsys.readouterr().err
     assert run(["sweep", DOOR, "--at", "hinge"]) == 3
+    assert run(["sweep", DOOR, "--at", "hinge=far"]) == 3
+    assert run(["sweep", DOOR, "--joint", "hinge", "--at", "hinge=1"]) == 3
+    told = capsys.readouterr().err
+    assert "--at hinge=far: 'far' is not a number" in told and "--at hinge: this joint is driven" in told
     assert run(["sweep", DOOR, "--joint", "lid"]) == 3
 
 

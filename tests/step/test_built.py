@@ -86,6 +86,6 @@ def test_the_command_takes_step_files_without_a_scene(bored, pin, capfd):
     assert run(["check", str(pin), str(bored), "--move", "0.8 0 -5", "--triangles"]) == 1
     assert "CONTACT at time 0.62" in capfd.readouterr().out
     assert run(["check", str(pin), str(bored), "--move", "0 0 -5"]) == 0
-    assert run(["check", str(pin)]) == 3 and "is one file alone" in capfd.readouterr().err
+    assert run(["check", str(pin)]) == 3 and "is one STEP file" in capfd.readouterr().err
     assert run(["info", str(pin.with_suffix(".stl")), "--triangles"]) == 3
     assert "--triangles is for STEP files" in capfd.readouterr().err

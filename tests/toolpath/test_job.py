@@ -179,8 +179,14 @@ def test_exit_codes(tmp_path, capsys):
     assert command(tmp_path, "--allow", "cutter") == 3
     assert command(tmp_path, "--allow", "*:*:*", "--strict") == 3
     assert command(tmp_path, "--csv", "-", "--jsonl", "-") == 3
+    assert command(tmp_path, "--allow", "cutter:feed:pots*") == 3
+    assert command(tmp_path, "--allow", "shank:feed:post") == 3
+    assert command(tmp_path, lines=0) == 3
     err = capsys.readouterr().err.splitlines()
-    assert len(err) == 4 and all(x.startswith("firstcontact: ") for x in err)
+    assert "no body 'pots*'; the bodies are post" in err[4]
+    assert "no part 'shank'; the parts are cutter, flutes" in err[5]
+    assert "job.nc: nothing in it moves the tool" in err[6]
+    assert len(err) == 7 and all(x.startswith("firstcontact: ") for x in err)
 
 
 def test_a_scene_without_tool_and_one_with_a_wrong_one(tmp_path, capsys):

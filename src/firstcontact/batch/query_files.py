@@ -120,7 +120,7 @@ def _csv(path: Path, begin: int) -> Iterator[Table]:
 
 def _json_lines(path: Path, begin: int) -> Iterator[Table]:
     pa = pyarrow()
-    with path.open(encoding="utf-8") as file:
+    with path.open(encoding="utf-8-sig") as file:
         lines = islice((line for line in file if line.strip()), begin, None)
         while some := list(islice(lines, CHUNK)):
             yield _columns(pa, path, begin, _json_rows(path, begin, some))

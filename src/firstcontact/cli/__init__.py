@@ -6,9 +6,7 @@ Nothing heavy is imported until a subcommand runs, so that --help stays quick.
 from __future__ import annotations
 
 import atexit
-import codecs
 import gc
-import io
 import logging
 import os
 import sys
@@ -19,6 +17,7 @@ from typing import NoReturn
 import click
 
 from firstcontact import __version__
+from firstcontact.cli import outputs
 from firstcontact.cli.batch import batch
 from firstcontact.cli.check import check
 from firstcontact.cli.curve import curve
@@ -62,6 +61,7 @@ def main() -> None:
     warnings.showwarning = _warn
     if "_FIRSTCONTACT_COMPLETE" in os.environ:  # a shell asks for its script, or for words to complete
         cli.main(prog_name="firstcontact")
+    outputs.write_whole()
     _leave(run(sys.argv[1:]))
 
 
@@ -73,11 +73,11 @@ def _leave(code: int) -> NoReturn:
         sys.exit(code)
     atexit._run_exitfuncs()
     try:
-        for stream in (sys.stdout, sys.stderr):
-            if stream is not None:
-                stream.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except (OSError, ValueError):  # told by Python
         sys.exit(code)
+    outputs.tell("", "")
     os._exit(code)
 
 
@@ -90,10 +90,10 @@ class _Said(logging.Handler):
 
 def run(arguments: list[str]) -> int:
     """The exit code; every error on purpose becomes one line on stderr."""
-    escaped = _escape_letters()
+    if sys.stdout is None:
+        return _fail("standard output is closed; give it a place, /dev/null for none")
+    escaped = outputs.escape_letters()
     try:
-        if sys.stdout is None:
-            return _fail("standard output is closed; give it a place, /dev/null for none")
         # Not cli.main(): that turns a broken pipe into exit code 1, which means contact here.
         with cli.make_context("firstcontact", arguments) as context:
             code = cli.invoke(context)
@@ -116,31 +116,11 @@ def run(arguments: list[str]) -> int:
         _say(f"interrupted; {stop}" if str(stop) else "interrupted")
         return INTERRUPTED
     except BrokenPipeError:
-        _forget_the_rest()
+        outputs.forget_the_rest()
         return READER_LEFT
     except OSError as error:  # files that were asked for have been written, or refused by name
-        _forget_the_rest()
+        outputs.forget_the_rest()
         return _fail(f"standard output: {(error.strerror or str(error)).lower()}; give it another place")
-
-
-def _escape_letters() -> list[str]:
-    """Let standard output write letters that its encoding lacks as escapes; returns where they will be noted."""
-    noted: list[str] = []
-
-    def escape(error: UnicodeError) -> tuple[str | bytes, int]:
-        if isinstance(error, UnicodeEncodeError):
-            noted.append(error.object[error.start])
-        return codecs.backslashreplace_errors(error)
-
-    codecs.register_error("firstcontact.escape", escape)
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="firstcontact.escape")
-    return noted
-
-
-def _forget_the_rest() -> None:
-    """Keep Python from complaining about what is left unwritten when it exits."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _warn(message: Warning | str, *_: object, **__: object) -> None:
@@ -154,4 +134,4 @@ def _fail(message: str) -> int:
 
 
 def _say(message: str) -> None:
-    click.echo(f"firstcontact: {one_line(message)}", err=True)
+    outputs.tell(f"firstcontact: {one_line(message)}")

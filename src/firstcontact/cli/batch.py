@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from firstcontact.cli import common
+from firstcontact.cli.outputs import Outputs
 from firstcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -53,15 +54,17 @@ def batch(
     from firstcontact.cli.progress import RowsProgress
     from firstcontact.scene.load import load_scene
 
-    common.check_target(out)
+    written = Outputs({"--out": out}, [queries, bodies])
     if workers is not None and scheduler is not None:
         raise click.UsageError("--workers and --scheduler: choose one; a cluster has its own workers.")
     pyarrow()
     scene = load_scene(bodies)
+    written.refuse_read(scene.files)
     begun = time.monotonic()
     with ExitStack() as stack:
         executor = None if scheduler is None else _cluster(scheduler, stack)
-        shown = RowsProgress(progress, queries)
+        stack.enter_context(written)
+        shown = RowsProgress(progress, queries, written.say)
         stack.enter_context(shown)
         if scheduler is not None:
             stack.enter_context(_while_it_is_there(scheduler))
@@ -69,7 +72,7 @@ def batch(
             queries, scene.bodies, out, arguments={"exact": exact, "budget": budget},
             workers=workers, executor=executor, progress=shown.rows,
         )  # fmt: skip
-    click.echo(_told(summary, time.monotonic() - begun))
+        written.say(_told(summary, time.monotonic() - begun))
     return common.exit_code(["UNDECIDED" if status == "error" else status for status in summary.counts])
 
 

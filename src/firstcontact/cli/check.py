@@ -18,8 +18,8 @@ def check(files: tuple[str, ...], options: common.Options, png: str | None) -> i
 
     Where it is [[allow]]ed that bodies touch at the start, it is the first new contact.
     """
-    common.check_target(png)
-    results = common.answer_checks(files, options, "first_contact")
-    if png is not None:
-        common.write_png(png, results)
+    with options.outputs(files, png=png) as out:
+        results = common.answer_checks(files, options, out, "first_contact")
+        if png is not None:
+            common.write_png(out, results)
     return common.exit_code_of(results)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack
@@ -14,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from firstcontact.cli.rows import More, Put, comma_separated, json_lines, row, written
+from firstcontact.cli.outputs import Outputs, Put
+from firstcontact.cli.rows import More, comma_separated, json_lines, row
 from firstcontact.errors import FirstContactError, InputError
 
 if TYPE_CHECKING:
@@ -50,10 +50,10 @@ class Options:
     degrees: str | None = None
     triangles: bool = False
 
-    @property
-    def silent(self) -> bool:
-        """Whether standard output is for something else than text."""
-        return "-" in (self.json, self.csv, self.jsonl)
+    def outputs(self, read: Iterable[str | Path], **more: str | None) -> Outputs:
+        """What is to be written, also by further options; read: files that the command line names to be read."""
+        targets = {"json": self.json, "html": self.html, "csv": self.csv, "jsonl": self.jsonl, **more}
+        return Outputs({f"--{option}": target for option, target in targets.items()}, read)
 
 
 _OUTPUTS = (
@@ -80,7 +80,7 @@ _TIMES = (
 )
 
 
-def outputs(command: Callable[..., int]) -> Callable[..., int]:
+def output_options(command: Callable[..., int]) -> Callable[..., int]:
     """The options of what is written besides text, and of progress."""
     for decorator in reversed(_OUTPUTS):
         command = decorator(command)
@@ -111,13 +111,13 @@ def _command(
     return click.command(name=function.__name__)(command)
 
 
-def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> list[Result]:
+def answer_checks(files: tuple[str, ...], options: Options, out: Outputs, verb_name: str) -> list[Result]:
     """The verb's results for all checks of the scene, in order, printed and written as the options ask."""
     from firstcontact.cli.given import given_scene
 
-    check_outputs(options)
     span = _parse_span(options.span)
     scene = given_scene(files, options.move, options.turn, options.about, options.degrees, options.triangles)
+    out.refuse_read(scene.files)
     refuse_single(scene.path, scene.checks)
     from firstcontact.assembly.resting import moves
     from firstcontact.assembly.together import PairQuestion, answers
@@ -144,20 +144,20 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
         return answers(asked, begin, progress.report, options.workers or cores())
 
     with ExitStack() as stack:
-        rows = [stack.enter_context(x) for x in row_files(options, scene.unit)]
-        results = answer_all(scene.path, "check", scene.checks, given, options, scene, rows)
-    deliver(results, options, scene)
+        rows = [stack.enter_context(x) for x in row_files(options, out, scene.unit)]
+        results = answer_all(scene.path, "check", scene.checks, given, options, out, scene, rows)
+    deliver(results, options, out, scene)
     return results
 
 
 def row_files(
-    options: Options, unit: str, columns: More = _NO_MORE, keys: More = _NO_MORE
+    options: Options, out: Outputs, unit: str, columns: More = _NO_MORE, keys: More = _NO_MORE
 ) -> Iterator[AbstractContextManager[Put]]:
     """Contexts of what takes results row by row; columns: further ones of CSV; keys: further ones of JSON lines."""
     if options.csv is not None:
-        yield written(options.csv, comma_separated(unit, columns))
+        yield out.rows("--csv", comma_separated(unit, columns))
     if options.jsonl is not None:
-        yield written(options.jsonl, json_lines(keys))
+        yield out.rows("--jsonl", json_lines(keys))
 
 
 def _span_shown(span: Sequence[float | Fraction] | None, a: Body, b: Body) -> tuple[float, float]:
@@ -174,8 +174,9 @@ def answer_all(
     questions: Sequence[Check | Curve],
     answers: Callable[[Progress], Iterator[Result]],
     options: Options,
+    out: Outputs,
     scene: Scene | None = None,
-    rows: Sequence[Callable[[Result], None]] = (),
+    rows: Sequence[Put] = (),
 ) -> list[Result]:
     """The answers, in order; each is printed as soon as it is there, or the most of them that matters in the end.
 
@@ -187,51 +188,50 @@ def answer_all(
 
     results: list[Result] = []
     brief = scene is not None and len(questions) > text.FEW and not options.all
-    with Progress(options.progress, len(questions)) as progress:
+    with Progress(options.progress, len(questions), out.say) as progress:
         try:
-            for result in answers(progress):
+            for result in _named(path, what, questions, answers(progress)):
                 results.append(result)
                 for put in rows:
                     put(result)
-                if not options.silent and not brief:
+                if not brief and not out.silent:
                     progress.say(str(result) if scene is None else text.in_full(result, scene))
-        except FirstContactError as error:
-            question = questions[len(results)]
-            raise type(error)(f"{path}: {what} {question.a} / {question.b}: {error}") from error
         except KeyboardInterrupt:
-            if scene is not None and brief and results and not options.silent:
+            if scene is not None and brief and results and not out.silent:
                 progress.say(text.summary(results, scene))
-            deliver(results, options, scene, interrupted=True)
+            deliver(results, options, out, scene, interrupted=True)
             raise KeyboardInterrupt(f"{len(results)} of {len(questions)} decided; {progress.state}") from None
-        if scene is not None and not options.silent:
+        if scene is not None and not out.silent:
             told = text.summary(results, scene) if brief else text.left_out(scene)
             if told:
                 progress.say(told)
     return results
 
 
+def _named(
+    path: Path, what: str, questions: Sequence[Check | Curve], answers: Iterator[Result]
+) -> Iterator[Result]:
+    """The answers; an error names the question that is not answered."""
+    done = 0
+    try:
+        for done, result in enumerate(answers, 1):  # noqa: B007
+            yield result
+    except FirstContactError as error:
+        question = questions[done]
+        raise type(error)(f"{path}: {what} {question.a} / {question.b}: {error}") from error
+
+
 def deliver(
-    results: list[Result], options: Options, scene: Scene | None = None, *, interrupted: bool = False
+    results: list[Result], options: Options, out: Outputs, scene: Scene | None = None, *, interrupted: bool = False
 ) -> None:
     """JSON to stdout, and the files that were asked for; interrupted: what is decided, and that there was more."""
-    write_json(options.json, lambda: _document(results, scene, interrupted))
+    out.json("--json", lambda: _document(results, scene, interrupted))
     if options.html is not None and (results or not interrupted):
         from firstcontact.view.assembly import Assembly
         from firstcontact.view.html import write_page
 
         whole = Assembly(scene.bodies, scene.unit) if scene is not None and len(scene.bodies) > 2 else None
-        write(options.html, lambda path: write_page(path, results, whole))
-
-
-def write_json(target: str | None, document: Callable[[], object]) -> None:
-    """Write what `document` gives, where it is wanted; "-": to standard output."""
-    if target is None:
-        return
-    text = json.dumps(document(), indent=1)
-    if target == "-":
-        click.echo(text)
-    else:
-        write(target, lambda path: path.write_text(text + "\n", encoding="utf-8"))
+        out.file("--html", lambda path: write_page(path, results, whole))
 
 
 def exit_code(statuses: Iterable[str]) -> int:
@@ -249,33 +249,12 @@ def exit_code_of(results: Iterable[Result]) -> int:
     return exit_code(map(verdict, results))
 
 
-def write_png(path: str, results: list[Any]) -> None:
+def write_png(out: Outputs, results: list[Any]) -> None:
     """A picture of the first result in contact, else of the first result."""
     from firstcontact.view.png import write_png
 
     touching = [result for result in results if exit_code_of([result]) == CONTACT]
-    write(path, lambda target: write_png(target, (touching or results)[0]))
-
-
-def check_outputs(options: Options) -> None:
-    """Refuse outputs that cannot be written, before the work begins."""
-    check_target(options.json, options.html, options.csv, options.jsonl)
-    if (options.json, options.csv, options.jsonl).count("-") > 1:
-        raise click.UsageError("--json, --csv and --jsonl: one of them may be -, for standard output.")
-
-
-def check_target(*paths: str | None) -> None:
-    """Refuse output paths in folders that are not there, before the work begins."""
-    for path in paths:
-        if path is not None and path != "-" and not _may_be_written(Path(path)):
-            raise InputError(f"{path}: cannot be written; give a file in a folder that exists")
-
-
-def _may_be_written(path: Path) -> bool:
-    try:
-        return path.parent.is_dir() and not path.is_dir()
-    except OSError:  # a name that is too long
-        return False
+    out.file("--png", lambda target: write_png(target, (touching or results)[0]))
 
 
 def refuse_single(path: Path, pairs: Sequence[Check | Curve]) -> None:
@@ -293,13 +272,6 @@ def _parse_span(span: tuple[str, str] | None) -> tuple[float | int | Fraction, f
         return parse_time(span[0]), parse_time(span[1])
     except ValueError as error:
         raise InputError(f"--span: {error}") from error
-
-
-def write(path: str, write: Callable[[Path], object]) -> None:
-    try:
-        write(Path(path))
-    except OSError as error:
-        raise InputError(f"{path}: {(error.strerror or str(error)).lower()}; choose another file") from error
 
 
 def _document(results: Sequence[Result], scene: Scene | None, interrupted: bool) -> dict[str, Json]:

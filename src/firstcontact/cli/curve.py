@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from firstcontact.body.kinds import Body
+    from firstcontact.cli.outputs import Outputs
     from firstcontact.cli.progress import Progress
     from firstcontact.result_curve import IntersectionCurve
     from firstcontact.view.pair import Result
@@ -31,17 +32,18 @@ def curve(scene: str, options: common.Options, **asked: str | tuple[str, ...] | 
     SCENE is a TOML file; [[curve]] tables name the pairs, else every pair that is checked is taken.  Printed:
     branches, overlaps, isolated and singular points.  Ends with 0, whatever the surfaces share.
     """
-    common.check_target(options.json, options.html)
-    results = _curves(scene, options, _read(asked))
-    common.deliver(results, options)
+    with options.outputs([scene]) as out:
+        results = _curves(scene, options, out, _read(asked))
+        common.deliver(results, options, out)
     return 0
 
 
-def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> list[Result]:
+def _curves(scene_file: str, options: common.Options, out: Outputs, asked: dict[str, Any]) -> list[Result]:
     from firstcontact.query import intersection_curve
     from firstcontact.scene.load import load_scene
 
     scene = load_scene(scene_file)
+    out.refuse_read(scene.files)
     common.refuse_single(scene.path, scene.curves)
 
     questions = [replace(given, **asked) for given in scene.curves]
@@ -55,7 +57,7 @@ def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> 
                 result.to_dict()  # exact ends may take long; the result keeps them
             yield result
 
-    return common.answer_all(scene.path, "curve", questions, answers, options)
+    return common.answer_all(scene.path, "curve", questions, answers, options, out)
 
 
 def _resting(body: Body, key: str, time: float | None) -> Body:

@@ -31,6 +31,7 @@ def given_scene(
     files: tuple[str, ...], move: str | None, turn: str | None, about: str | None, degrees: str | None, triangles: bool
 ) -> Scene:
     """The scene; of mesh and STEP files the first one moves, by what the options say."""
+    from firstcontact.io.meshes import FORMATS
     from firstcontact.scene.load import load_scene
 
     asked = [x for x in (move, turn, about, degrees) if x is not None]
@@ -38,9 +39,11 @@ def given_scene(
         raise click.UsageError("--triangles is for STEP files: a scene says it by surfaces = false.")
     if len(files) == 1:
         if is_step(files[0]):
-            raise click.UsageError(f"{files[0]} is one file alone: give two or more, of which the first moves.")
+            raise click.UsageError(f"{files[0]}: is one STEP file: name another one, too, or a scene.")
         if asked:
             raise click.UsageError("--move and --turn are for mesh and STEP files: a scene says how its bodies move.")
+        if Path(files[0]).suffix.lower() in FORMATS:
+            raise click.UsageError(f"{files[0]}: is one mesh: name another one, too, or a scene.")
         return load_scene(files[0])
     if any(Path(file).suffix.lower() == ".toml" for file in files):
         raise click.UsageError(f"{' '.join(files[1:])} is one too many: give one scene, or two or more other files.")
@@ -104,4 +107,5 @@ def _of_files(files: tuple[str, ...], motion: Translation | Rotation | None, tri
     first, *others = bodies
     if motion is not None:
         bodies[first] = bodies[first].moving(motion)
-    return Scene(Path(files[0]), bodies, tuple(Check(first, other) for other in others))
+    checks = tuple(Check(first, other) for other in others)
+    return Scene(Path(files[0]), bodies, checks, files=tuple(map(Path, files)))

@@ -13,5 +13,7 @@ def intervals(files: tuple[str, ...], options: common.Options) -> int:
     other.  Of two or more mesh or STEP FILEs the first one moves, by --move or --turn, and is checked against the
     others.
     """
+    with options.outputs(files) as out:
+        results = common.answer_checks(files, options, out, "contact_intervals")
     # An undecided rest of the span does not take back the intervals that are proved.
-    return common.exit_code_of(common.answer_checks(files, options, "contact_intervals"))
+    return common.exit_code_of(results)

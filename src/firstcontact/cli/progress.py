@@ -7,10 +7,11 @@ import shutil
 import sys
 import threading
 import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
-import click
+from firstcontact.cli.outputs import tell
 
 # Seconds of work before the line appears: shorter runs stay silent.
 PATIENCE = 0.5
@@ -24,11 +25,12 @@ ERASE = "\r\x1b[2K"
 class Progress:
     """Context for `total` checks; `report` is the verbs' progress callback.
 
-    wanted: True shows the line, False never does, None does when stderr is a terminal.  A thread shows it, so that it
-    goes on where a search reports nothing.
+    say: prints a line on standard output.  wanted: True shows the line, False never does, None does when stderr is a
+    terminal.  A thread shows it, so that it goes on where a search reports nothing.
     """
 
-    def __init__(self, wanted: bool | None, total: int) -> None:
+    def __init__(self, wanted: bool | None, total: int, say: Callable[[str], object]) -> None:
+        self._say = say
         self._on_terminal = sys.stderr is not None and sys.stderr.isatty()
         self._wanted = self._on_terminal if wanted is None else wanted
         self._total = total
@@ -57,8 +59,7 @@ class Progress:
         """Print a result, out of the line's way."""
         with self._writing:
             self._erase()
-            click.echo(text)
-            sys.stdout.flush()
+            self._say(text)
 
     @property
     def state(self) -> str:
@@ -91,12 +92,12 @@ class Progress:
             line = self._line()
             if self._on_terminal:
                 line = line[: shutil.get_terminal_size().columns - 1]
-            click.echo(line, err=True, nl=not self._on_terminal)
+            tell(line, "" if self._on_terminal else "\n")
             self._shown = self._on_terminal
 
     def _erase(self) -> None:
         if self._shown:
-            click.echo(ERASE, err=True, nl=False)
+            tell(ERASE, "")
             self._shown = False
 
     def __enter__(self) -> Self:
@@ -121,8 +122,8 @@ class Progress:
 class RowsProgress(Progress):
     """The same for the rows of a file; `rows` is the callback of a job."""
 
-    def __init__(self, wanted: bool | None, label: str) -> None:
-        super().__init__(wanted, 1)
+    def __init__(self, wanted: bool | None, label: str, say: Callable[[str], object]) -> None:
+        super().__init__(wanted, 1, say)
         self.start(label)
         self._at: tuple[int, int] | None = None
         self._first = 0

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from firstcontact.batch.courses import CourseSearch, MetPair
     from firstcontact.batch.kept_parts import KeptLines, MetRow
     from firstcontact.body.kinds import Body
+    from firstcontact.cli.outputs import Outputs
     from firstcontact.cli.progress import RowsProgress
     from firstcontact.cli.rows import More
     from firstcontact.mechanism.course import Course
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 @click.option("--csv", metavar="F|-", help="Write the results as CSV, row by row.")
 @click.option("--jsonl", metavar="F|-", help="Write the results as JSON lines, each as soon as it is there.")
 @click.option("--resume", is_flag=True, help="Go on where the run was stopped that wrote the same --csv or --jsonl.")
-@common.outputs
+@common.output_options
 def robot(
     description: str, trajectory: str, scene: str | None, srdf: str | None, packages: tuple[str, ...], cubic: bool,
     resume: bool, **outputs: Any,
@@ -51,19 +52,20 @@ def robot(
     from firstcontact.scene.load import load_scene
 
     options = common.Options(**outputs)
-    common.check_outputs(options)
-    out = next((Path(x) for x in (options.jsonl, options.csv) if x not in (None, "-")), None)
-    if resume and out is None:
+    rows = next((Path(x) for x in (options.jsonl, options.csv) if x not in (None, "-")), None)
+    if resume and rows is None:
         raise click.UsageError("--resume: give the --csv or --jsonl file of the run that was stopped.")
     places = dict(_pair(text) for text in packages)
-    arm = Robot.load(description, srdf=srdf, packages=places)
-    loaded = None if scene is None else load_scene(scene)
-    cell = {} if loaded is None else dict(loaded.bodies)
-    course = arm.read_course(trajectory, interpolation="cubic" if cubic else "linear")
-    kept = None if out is None else _kept(out, resume, trajectory, course, cell, cubic)
-    run = Run(description, course, cell, options, kept, "" if loaded is None else loaded.unit)
-    results = run.all()
-    run.deliver(results, arm.name)
+    with options.outputs(x for x in (description, trajectory, scene, srdf) if x is not None) as out:
+        arm = Robot.load(description, srdf=srdf, packages=places)
+        loaded = None if scene is None else load_scene(scene)
+        out.refuse_read([*arm.files, *(() if loaded is None else loaded.files)])
+        cell = {} if loaded is None else dict(loaded.bodies)
+        course = arm.read_course(trajectory, interpolation="cubic" if cubic else "linear")
+        kept = None if rows is None else _kept(rows, resume, trajectory, course, cell, cubic)
+        run = Run(description, course, cell, options, out, kept, "" if loaded is None else loaded.unit)
+        results = run.all()
+        run.deliver(results, arm.name)
     return common.exit_code([hit.status.name for hit in results])
 
 
@@ -110,10 +112,10 @@ class Run:
     """A course gone through and told, part by part."""
 
     def __init__(
-        self, label: str, course: Course, cell: Mapping[str, Body], options: common.Options, kept: KeptLines | None,
-        unit: str,
+        self, label: str, course: Course, cell: Mapping[str, Body], options: common.Options, out: Outputs,
+        kept: KeptLines | None, unit: str,
     ) -> None:  # fmt: skip
-        self.label, self.course, self.cell, self.options = label, course, cell, options
+        self.label, self.course, self.cell, self.options, self.out = label, course, cell, options, out
         self.kept, self.unit, self.total = kept, unit, len(course.times) - 1
 
     def all(self) -> list[FirstContact]:
@@ -126,21 +128,21 @@ class Run:
         joints = {name: _value_of(name) for name in self.course.mechanism.free}
         results: list[FirstContact] = []
         with ExitStack() as stack:
-            rows = [
-                stack.enter_context(x)
-                for x in common.row_files(self.options, self.unit, {"waypoint": self._waypoint, **joints}, self._keys)
-            ]
-            progress = stack.enter_context(RowsProgress(self.options.progress, f"{self.label}: waypoints"))
+            columns = {"waypoint": self._waypoint, **joints}
+            files = common.row_files(self.options, self.out, self.unit, columns, self._keys)
+            rows = [stack.enter_context(x) for x in files]
+            label = f"{self.label}: waypoints"
+            progress = stack.enter_context(RowsProgress(self.options.progress, label, self.out.say))
             following, before = self._begun()
             try:
                 for found in self._found(following, before, progress):
                     results.append(found.hit)
                     for put in rows:
                         put(found.hit)
-                    if not self.options.silent and found.hit.status.name != "FREE":
+                    if not self.out.silent and found.hit.status.name != "FREE":
                         progress.say(self._told(found.hit))
             except KeyboardInterrupt:
-                common.write_json(self.options.json, lambda: self._document(results, interrupted=True))
+                self.out.json("--json", lambda: self._document(results, interrupted=True))
                 raise KeyboardInterrupt(self._stopped(following.begin)) from None
         return results
 
@@ -172,17 +174,16 @@ class Run:
 
     def deliver(self, results: list[FirstContact], name: str) -> None:
         """What is written when all is known."""
-        if not self.options.silent:
-            free = sum(hit.status.name == "FREE" for hit in results)
-            click.echo(f"{len(results)} pairs, {free} of them FREE from waypoint 0 to {self.total}")
-        common.write_json(self.options.json, lambda: self._document(results, robot=name))
+        free = sum(hit.status.name == "FREE" for hit in results)
+        self.out.say(f"{len(results)} pairs, {free} of them FREE from waypoint 0 to {self.total}")
+        self.out.json("--json", lambda: self._document(results, robot=name))
         if self.options.html is not None:
             from firstcontact.view.assembly import Assembly
             from firstcontact.view.html import write_page
 
             links = [body for own in self.course.bodies.values() for body in own]
             bodies = {body.name or "": body for body in (*links, *self.cell.values())}
-            common.write(self.options.html, lambda path: write_page(path, results, Assembly(bodies, self.unit)))
+            self.out.file("--html", lambda path: write_page(path, results, Assembly(bodies, self.unit)))
         if self.kept is not None:
             self.kept.remove()
 

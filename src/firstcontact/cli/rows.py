@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import csv
 import json
-import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import IO, TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
 
-from firstcontact.errors import InputError
+from firstcontact.cli.outputs import Put, Writing
 
 if TYPE_CHECKING:
     from firstcontact.result import ContactIntervals, FirstContact, Json
@@ -21,23 +19,8 @@ COLUMNS = (
 )  # fmt: skip
 INTERVAL_COLUMNS = ("a", "b", "status", "start", "end", "free_until", "reason")
 
-Put = Callable[[Any], None]
 More = Mapping[str, Callable[[Any], Any]]
 """Further columns by their names, and what a result says there."""
-
-
-@contextmanager
-def written(target: str, make: Callable[[IO[str]], Put]) -> Iterator[Put]:
-    """What takes results and writes them to a file, or to standard output for "-"."""
-    if target == "-":
-        yield make(sys.stdout)
-        return
-    try:
-        file = open(target, "w", encoding="utf-8", newline="")
-    except OSError as error:
-        raise InputError(f"{target}: {(error.strerror or str(error)).lower()}; choose another file") from error
-    with file:
-        yield make(file)
 
 
 def row(result: Result, more: More) -> dict[str, Json]:
@@ -48,10 +31,10 @@ def row(result: Result, more: More) -> dict[str, Json]:
     return told | {key: of(result) for key, of in more.items()}
 
 
-def json_lines(more: More) -> Callable[[IO[str]], Put]:
+def json_lines(more: More) -> Callable[[Writing], Put]:
     """One object a line."""
 
-    def make(file: IO[str]) -> Put:
+    def make(file: Writing) -> Put:
         def put(result: Result) -> None:
             file.write(json.dumps(row(result, more)) + "\n")
             file.flush()
@@ -61,7 +44,7 @@ def json_lines(more: More) -> Callable[[IO[str]], Put]:
     return make
 
 
-def comma_separated(unit: str, more: More) -> Callable[[IO[str]], Put]:
+def comma_separated(unit: str, more: More) -> Callable[[Writing], Put]:
     """A head of columns, then one row for each first contact, or for each interval; lengths in that unit.
 
     more: of first contacts.
@@ -69,7 +52,7 @@ def comma_separated(unit: str, more: More) -> Callable[[IO[str]], Put]:
 
     from firstcontact.result import ContactIntervals
 
-    def make(file: IO[str]) -> Put:
+    def make(file: Writing) -> Put:
         writer = csv.writer(file, lineterminator="\n")
         begun = False
 

@@ -6,18 +6,21 @@ import csv
 import json
 from collections import Counter
 from contextlib import ExitStack
-from typing import IO, TYPE_CHECKING
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING
 
 import click
 
 from firstcontact.cli import common
-from firstcontact.cli.rows import Put, written
+from firstcontact.cli.outputs import Outputs, Put, Writing
 from firstcontact.errors import InputError
 
 if TYPE_CHECKING:
     from fractions import Fraction
 
+    from firstcontact.scene.load import Scene
     from firstcontact.toolpath.check import Verdict
+    from firstcontact.toolpath.rules import Allowed
 
 COLUMNS = (
     "line", "block", "status", "move", "part", "kind", "body", "contact", "fraction", "lo", "hi", "x", "y", "z",
@@ -54,23 +57,25 @@ def toolpath(
     from firstcontact.toolpath.program import ToolPath
     from firstcontact.toolpath.rules import CUTTING, Allowed
 
-    common.check_target(table, jsonl, resume)
-    if table == jsonl == "-":
-        raise click.UsageError("--csv and --jsonl: one of them may be -, for standard output.")
     if strict and allow:
         raise click.UsageError("--strict and --allow: choose one.")
+    out = Outputs({"--csv": table, "--jsonl": jsonl, "--resume": resume}, [program, scene])
     loaded = load_scene(scene)
+    out.refuse_read(loaded.files)
     if not loaded.tools:
         raise InputError(f"{loaded.path}: no tool; add a [tool.NAME] with segments")
     path = ToolPath(program, start=None if start is None else _numbers(start), unit=loaded.unit)
     rules = () if strict else tuple(map(Allowed.read, allow)) or CUTTING
+    for text, rule in zip(allow, rules, strict=False):
+        _check_rule(text, rule, loaded)
     counts: Counter[str] = Counter()
     unknown: list[int] = []
     with ExitStack() as stack:
-        puts = [stack.enter_context(written(x, make)) for x, make in ((table, _rows), (jsonl, _lines)) if x is not None]
-        shown = RowsProgress(progress, program)
-        stack.enter_context(shown)
-        if "-" not in (table, jsonl):
+        stack.enter_context(out)
+        targets = ("--csv", table, _rows), ("--jsonl", jsonl, _lines)
+        puts = [stack.enter_context(out.rows(option, make)) for option, x, make in targets if x is not None]
+        shown = stack.enter_context(RowsProgress(progress, program, out.say))
+        if not out.silent:
             puts.append(lambda verdict: shown.say(_told(verdict)))
         asked = path.verdicts(
             loaded.tools.values(), loaded.bodies, allow=rules, workers=workers, resume=resume, progress=shown.rows
@@ -82,9 +87,20 @@ def toolpath(
             if every or verdict.status not in ("FREE", "UNKNOWN"):
                 for put in puts:
                     put(verdict)
-        if "-" not in (table, jsonl):
-            shown.say(_summary(counts, unknown))
+        if not counts:
+            raise InputError(f"{program}: nothing in it moves the tool; give the whole program")
+        shown.say(_summary(counts, unknown))
     return common.exit_code("UNDECIDED" if x == "UNKNOWN" else x for x in counts)
+
+
+def _check_rule(text: str, rule: Allowed, scene: Scene) -> None:
+    """Refuse a rule that is about nothing, which would be a mistake."""
+    if not any(fnmatchcase(body, rule.body) for body in scene.bodies):
+        raise InputError(f"--allow {text}: no body {rule.body!r}; the bodies are {', '.join(scene.bodies)}")
+    segments = [segment for tool in scene.tools.values() for segment in tool.segments]
+    if not any(rule.names(segment) for segment in segments):
+        names = ", ".join(dict.fromkeys(x for segment in segments for x in (segment.kind, segment.name)))
+        raise InputError(f"--allow {text}: no part {rule.part!r}; the parts are {names}")
 
 
 def _numbers(text: str) -> list[float | int | Fraction]:
@@ -129,7 +145,7 @@ def _summary(counts: Counter[str], unknown: list[int]) -> str:
     return "\n".join(lines)
 
 
-def _lines(file: IO[str]) -> Put:
+def _lines(file: Writing) -> Put:
     """One object a line for each block."""
     from dataclasses import asdict
 
@@ -147,7 +163,7 @@ def _lines(file: IO[str]) -> Put:
     return put
 
 
-def _rows(file: IO[str]) -> Put:
+def _rows(file: Writing) -> Put:
     """A head of columns, then one row for each pair that meets, or one for the block."""
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -167,5 +183,3 @@ def _rows(file: IO[str]) -> Put:
         file.flush()
 
     return put
-
-

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
+from codecs import BOM_UTF8
 from pathlib import Path
 
 import numpy as np
@@ -57,7 +58,7 @@ PLY_TYPES = {
 def read_ply(path: Path) -> tuple[np.ndarray, Faces]:
     """Vertices (n, 3) float64 and the corners of every face of a PLY file, and of every triangle of its strips; other
     elements are skipped."""
-    data = path.read_bytes()
+    data = path.read_bytes().removeprefix(BOM_UTF8)
     encoding, elements, start = _ply_header(data)
     source = _PlyText(data[start:]) if encoding == "ascii" else _PlyBinary(data, start, encoding)
     vertices = np.empty((0, 3))
@@ -162,7 +163,7 @@ class _PlyBinary:
 
 
 def _text(path: Path) -> str:
-    return path.read_text(encoding="utf-8", errors="replace")
+    return path.read_text(encoding="utf-8-sig", errors="replace")
 
 
 def _coordinates(rows: list[list[str]]) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from codecs import BOM_UTF8
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +18,8 @@ def read_stl(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
     ValueError says what is wrong with a damaged file.
     """
-    data = path.read_bytes()
-    corners = _text_corners(data) if _is_text(data) else _binary_corners(data)
+    data = path.read_bytes().removeprefix(BOM_UTF8)
+    corners = _text_corners(data.replace(b"\r", b"\n")) if _is_text(data) else _binary_corners(data)
     return corners, np.arange(len(corners)).reshape(-1, 3)
 
 

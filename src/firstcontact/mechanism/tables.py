@@ -102,7 +102,7 @@ def _by_name(path: Path, key: str, names: list[str], rows: ArrayLike) -> dict[st
 def _json(path: Path) -> Columns:
     """A `JointTrajectory` of ROS, or a message that holds one."""
     try:
-        message = json.loads(path.read_text(encoding="utf-8"))
+        message = json.loads(path.read_text(encoding="utf-8-sig"))
     except ValueError as error:
         raise InputError(f"{path}: no JSON ({error}); give a JointTrajectory") from error
     for key in ("joint_trajectory", "trajectory"):

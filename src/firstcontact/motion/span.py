@@ -84,7 +84,9 @@ def common_span(a: AnyBody, b: AnyBody, span: Iterable[Given] | None) -> tuple[f
     for motion, limit in zip(motions, own, strict=True):
         if limit is not None and (first < limit[0] or last is None or last > limit[1]):
             ends = to_double(limit[0]), to_double(limit[1])
-            raise InputError(f"span {shown(span)} leaves the span {ends} of the {type(motion).__name__}")
+            raise InputError(
+                f"span ({shown(lo)}, {shown(hi)}) leaves the span {ends} of the {type(motion).__name__}; ask within it"
+            )
     return first, last
 
 

@@ -41,9 +41,12 @@ class Robot(Mechanism):
         pairs = [*skip, *(semantic.disabled(Path(srdf)) if srdf is not None else []), *adjacent(read.joints)]
         robot = cls(read.links, read.joints, skip=pairs)
         robot.name = read.name
+        robot.files = (Path(path), *read.files, *([] if srdf is None else [Path(srdf)]))
         return robot
 
     name: str = ""
+    files: tuple[Path, ...] = ()
+    """What was read: the description, its meshes, and the disabled pairs."""
 
 
 def adjacent(joints: list[Joint]) -> list[tuple[str, str]]:

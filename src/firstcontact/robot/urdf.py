@@ -30,11 +30,12 @@ KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismat
 
 @dataclass(frozen=True)
 class Description:
-    """What a robot is made of: the bodies of each link, the joints."""
+    """What a robot is made of: the bodies of each link, the joints; files: of its meshes."""
 
     name: str
     links: dict[str, list[Any]]
     joints: list[Joint]
+    files: list[Path]
 
 
 def read(path: Path, packages: Mapping[str, str | Path], base: np.ndarray) -> Description:
@@ -52,7 +53,9 @@ def read(path: Path, packages: Mapping[str, str | Path], base: np.ndarray) -> De
         ]
         for link in robot.links
     }
-    return Description(robot.name, links, [_joint(path, joint, homes[joint.child]) for joint in robot.joints])
+    meshes = (shape.geometry.mesh for link in robot.links for shape in link.collisions or [])
+    files = [found(mesh.filename, path, packages) for mesh in meshes if mesh is not None]
+    return Description(robot.name, links, [_joint(path, joint, homes[joint.child]) for joint in robot.joints], files)
 
 
 def _parsed(path: Path) -> yourdfpy.urdf.Robot:

@@ -401,6 +401,8 @@ class Scene:
     """The mechanism that the joints make of the bodies."""
     tools: dict[str, Tool] = field(default_factory=dict)
     """What `firstcontact toolpath` moves."""
+    files: tuple[Path, ...] = ()
+    """What was read: the scene, and the files that it names."""
 
     @classmethod
     def load(cls, path: str | Path) -> Scene:
@@ -446,12 +448,25 @@ def load_scene(path: str | Path) -> Scene:
         scene = SceneTable.model_validate(tables)
     except ValidationError as error:
         raise InputError(f"{path}: {first_fault(error, tables)}") from error
+    _check_names(path, scene)
     bodies = {key: _build(path, key, body) for key, body in scene.body.items()}
     linked = _linked(path, scene, bodies)
     checks, resting = _checks(path, scene, bodies, linked)
     curves, rules = tuple(_curves(path, scene)), tuple(_rules(path, scene))
     tools = {key: _tool(path, key, table) for key, table in scene.tool.items()}
-    return Scene(path, bodies, tuple(checks), curves, rules, scene.unit, resting, linked, tools)
+    files = (path, *_files(path.parent, tables))
+    return Scene(path, bodies, tuple(checks), curves, rules, scene.unit, resting, linked, tools, files)
+
+
+def _files(folder: Path, tables: Json) -> Iterator[Path]:
+    """The files that the tables name."""
+    waiting = [tables]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, dict):
+            if isinstance(file := value.get("file"), str):
+                yield folder / file
+            waiting += value.values()
 
 
 def _tool(path: Path, key: str, table: ToolTable) -> Tool:
@@ -482,7 +497,7 @@ def _linked(path: Path, scene: SceneTable, bodies: dict[str, Body]) -> Linked | 
 def _read(path: Path) -> dict[str, Json]:
     text = ""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
         tables = tomllib.loads(text)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
@@ -524,6 +539,20 @@ def _unread(text: str) -> str | None:
         if any(len(digits.replace("_", "")) > MOST_DIGITS for digits in re.findall(r"[\d_]+", line)):
             return f"line {number}: a number of more than {MOST_DIGITS} digits; give fewer"
     return None
+
+
+def _check_names(path: Path, scene: SceneTable) -> None:
+    """Answers tell bodies apart by their names, in one line."""
+    known: dict[str, str] = {}
+    for key, table in scene.body.items():
+        name = key if table.name is None else table.name
+        if not name.strip() or not name.isprintable():
+            raise InputError(f"{path}: body.{shown(key)}: no name to tell is {shown(name)}; give letters on one line")
+        if name in known:
+            raise InputError(
+                f"{path}: body.{key}: its name {name!r} is that of body.{known[name]}, too; give it one of its own"
+            )
+        known[name] = key
 
 
 def _build(path: Path, key: str, table: _BodyTable) -> Body:

@@ -41,7 +41,7 @@ class Fault(InputError):
 def lines_of(path: Path) -> Iterator[tuple[int, str]]:
     """(number, text) of each line; read as they are asked for."""
     try:
-        with path.open(encoding="utf-8", errors="replace") as file:
+        with path.open(encoding="utf-8-sig", errors="replace") as file:
             for number, text in enumerate(file, 1):
                 yield number, text.rstrip("\r\n")
     except OSError as error:

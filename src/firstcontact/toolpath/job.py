@@ -95,6 +95,8 @@ class KeptChunks:
     def __init__(self, path: Path, about: dict[str, object]) -> None:
         self.path, self.about = path, about
         try:
+            if path.exists() and not path.is_file():
+                raise InputError(f"{path}: is no file; choose another one")
             if not path.exists():
                 self._append(about, "w")
             known = self._known()

@@ -31,10 +31,13 @@ class Allowed:
             raise InputError(f"{text}: no move {rule.move!r}; the moves are {', '.join(MOVES)}")
         return rule
 
+    def names(self, segment: Segment) -> bool:
+        """Whether it is about this part."""
+        return segment.kind == self.part if self.part in KINDS else fnmatchcase(segment.name, self.part)
+
     def holds(self, segment: Segment, move: str, body: str) -> bool:
         """Whether it is about this part, move and body."""
-        named = segment.kind == self.part if self.part in KINDS else fnmatchcase(segment.name, self.part)
-        return named and fnmatchcase(move, self.move) and fnmatchcase(body, self.body)
+        return self.names(segment) and fnmatchcase(move, self.move) and fnmatchcase(body, self.body)
 
 
 CUTTING = (Allowed("cutter", "feed", "stock*"), Allowed("cutter", "back", "stock*"))
