@@ -185,6 +185,18 @@ def test_equal_bodies_are_equal_however_they_were_made():
     assert hash(CUBE) == hash(CUBE.named("other")) or CUBE != CUBE.named("other")
 
 
+@pytest.mark.parametrize("row", [(1, 1, 0, 0), (3, 0, 0, 0), (-1, 0, 0, 0), (1, 0, 0, "1/3")])
+def test_meshes_are_equal_however_they_were_made(row):
+    """Found from outside: a sheared mesh was another one than that given by its vertices, and than itself read back."""
+    made = CUBE.transformed([row, (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)])
+    first = [sum(Fraction(c) * Fraction(x) for c, x in zip(row, (*v, 1), strict=True)) for v in CUBE.vertices]
+    given = fc.Polyhedron([(x, *v[1:]) for x, v in zip(first, CUBE.vertices.tolist(), strict=True)], made.triangles)
+    plain = fc.Polyhedron([made.exact_vertex(i) for i in range(len(made.vertices))], made.triangles)
+    assert given == plain and hash(given) == hash(plain)
+    again = fc.from_dict(json.loads(made.to_json()))
+    assert again == made and hash(again) == hash(made)
+
+
 def test_a_piece_of_a_strip_is_a_body_of_its_own():
     """The border that it shared is one of its own now."""
     piece = bodies()["strip"].pieces[0]

@@ -17,7 +17,7 @@ from firstcontact.body.kept import Kept
 from firstcontact.body.placing import Placing
 from firstcontact.body.polyhedron.triangulate import shapes, triangulate
 from firstcontact.errors import InputError, shown
-from firstcontact.exact.numbers import fraction, rational, to_double
+from firstcontact.exact.numbers import exact_value, fraction, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose
 from firstcontact.motion.value import numbers
 
@@ -150,20 +150,23 @@ class Polyhedron(Placing):
         return self.solid, self._places(), faces, self.edges.tobytes()
 
     def _places(self) -> Hashable:
-        """The exact coordinates of the vertices, hashable: doubles where they are exact."""
-        if self.error == 0.0:
-            return (self.vertices + 0.0).tobytes()  # without -0.0
+        """The exact coordinates of the vertices, hashable: as doubles where all are, however the body came to be."""
         if self.irrational_pose is not None:
             return self.irrational_pose, self.matrix, self.base.tobytes(), repr(self.fractions)
-        return tuple(self.exact_vertex(i) for i in range(len(self.vertices)))
+        if self.error != 0.0:
+            exact = tuple(self.exact_vertex(i) for i in range(len(self.vertices)))
+            if any(exact_value(x) != c for p, q in zip(self.vertices.tolist(), exact, strict=True)
+                   for x, c in zip(p, q, strict=True)):  # fmt: skip
+                return exact
+        return (self.vertices + 0.0).tobytes()  # without -0.0
 
     def _table(self) -> Table:
         if self.irrational_pose is not None:
             raise InputError(f"{self!r} stands in an irrational pose, which no numbers tell; write it before it moves")
-        edges = self.segments[: self.given_edges].tolist()
+        edges, places = self.segments[: self.given_edges].tolist(), self._places()
         return {
             "shape": "polyhedron",
-            "vertices": self.vertices.tolist() if self.error == 0.0 else numbers(self._places()),
+            "vertices": self.vertices.tolist() if isinstance(places, bytes) else numbers(places),
             "faces": self.triangles.tolist() if self._rings is None else _polygons(self._rings, self._sides),
             **({"edges": edges} if edges else {}),
             "solid": self.solid,

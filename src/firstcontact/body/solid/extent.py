@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.body.solid.carriers import Box, Plane, Quadric, QuarticCurve, Surface, doubles, inverse
+from firstcontact.body.solid.carriers import Box, Plane, Quadric, QuarticCurve, Surface, doubles, inertia, inverse
 from firstcontact.body.solid.csg import Tree, possible
 from firstcontact.exact.numbers import precision, to_double
 
@@ -18,19 +18,33 @@ if TYPE_CHECKING:
     from firstcontact.body.solid.features import Edge
 
 # Half-widths tried for the first box, in the units of the model; a solid that reaches further counts as unbounded.
-REACHES = (8.0, 2.0**10, 2.0**24)
+REACHES = (8.0, 2.0**10, 2.0**24, 2.0**45, 2.0**80)
 # Cells looked at before the search for a bound gives up; each is a few hundred nanoseconds.
 MOST_CELLS = 400_000
 BITS = 256
 
 
 def proved_box(tree: Tree, surfaces: Sequence[Surface]) -> Box | None:
-    """A cube around the origin outside of which the solid has no point; None when none of REACHES could be proved."""
-    for reach in REACHES:
-        if _nothing_beyond(tree, surfaces, 1 / reach):
-            half = fmpq(int(reach))
-            return (-half,) * 3, (half,) * 3
-    return None
+    """A cube around the origin outside of which the solid has no point; None when none of REACHES could be proved.
+
+    The largest one is tried first, which tells solids without end, then no smaller ones than the surfaces are likely to
+    reach.
+    """
+    if not _nothing_beyond(tree, surfaces, 1 / REACHES[-1]):
+        return None
+    likely = min(filter(None, map(_size, surfaces)), default=0.0)
+    reach = next((r for r in REACHES if r >= likely and _nothing_beyond(tree, surfaces, 1 / r)), REACHES[-1])
+    half = fmpq(int(reach))
+    return (-half,) * 3, (half,) * 3
+
+
+def _size(surface: Surface) -> float:
+    """About how far from the origin a surface comes nearest to it or bends: 0 of one through it that does not tell."""
+    form = _form_f(surface)
+    if form.ndim == 1:
+        return float(abs(form[3]) / np.abs(form[:3]).max())
+    second = float(np.abs(form[:3, :3]).max())
+    return max(float(np.abs(form[:3, 3]).max()) / second, math.sqrt(abs(float(form[3, 3])) / second))
 
 
 def _nothing_beyond(tree: Tree, surfaces: Sequence[Surface], w: float) -> bool:
@@ -38,7 +52,7 @@ def _nothing_beyond(tree: Tree, surfaces: Sequence[Surface], w: float) -> bool:
 
     The surface of the cube of directions d is cut into squares; v keeps its range.
     """
-    forms = [_form_f(s) for s in surfaces]
+    forms, signs = [_form_f(s) for s in surfaces], [_sign_at_infinity(s) for s in surfaces]
     steps = np.linspace(-1, 1, 17)[:-1] + 1 / 16
     u, v = (g.ravel() for g in np.meshgrid(steps, steps))
     cells = []
@@ -54,7 +68,7 @@ def _nothing_beyond(tree: Tree, surfaces: Sequence[Surface], w: float) -> bool:
         h = np.full_like(x, half * 1.0000001)
         h[np.arange(len(x)), axes] = 0.0
         h[:, 3] = w / 2 * 1.0000001
-        keep = _may_be_inside(tree, forms, x, h)
+        keep = _may_be_inside(tree, forms, x, h, signs)
         centre, axes, half = centre[keep], axes[keep], half / 2
         centre = np.concatenate([_moved(centre, axes, half, s, t) for s in (-1, 1) for t in (-1, 1)])
         axes = np.tile(axes, 4)
@@ -76,12 +90,26 @@ def _form_f(surface: Surface) -> np.ndarray:
     return np.array(doubles(surface.form))
 
 
-def _may_be_inside(tree: Tree, forms: list[np.ndarray], x: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """(n,) bools: False proves that the box x +- h, rows (4,) homogeneous with w >= 0, is outside."""
+def _sign_at_infinity(surface: Surface) -> int:
+    """1 of a form that is nowhere negative there, -1 of one nowhere positive, else 0."""
+    if isinstance(surface, Plane):
+        return 0
+    positive, negative = inertia(tuple(row[:3] for row in surface.form[:3]))
+    return int(negative == 0) - int(positive == 0)
+
+
+def _may_be_inside(
+    tree: Tree, forms: list[np.ndarray], x: np.ndarray, h: np.ndarray, signs: Sequence[int] | None = None
+) -> np.ndarray:
+    """(n,) bools: False proves that the box x +- h, rows (4,) homogeneous with w >= 0, holds no point of space inside.
+
+    signs: of the forms at infinity.  A form of sign 1 is w (2 b d + c w) and what is not negative, so positive where
+    w and the bracket are: that tells of the open end of a paraboloid, where the form itself comes down to 0.
+    """
     below: list[np.ndarray] = []
     above: list[np.ndarray] = []
     reach = np.abs(x) + h
-    for form in forms:
+    for k, form in enumerate(forms):
         if form.ndim == 1:
             value, spread = x @ form, h @ np.abs(form)
             size = reach @ np.abs(form)
@@ -93,6 +121,10 @@ def _may_be_inside(tree: Tree, forms: list[np.ndarray], x: np.ndarray, h: np.nda
         spread = spread + size * 2.0**-45  # far more than the roundings above
         below.append(value < spread)
         above.append(value > -spread)
+        if signs is not None and signs[k]:
+            row = signs[k] * np.append(2 * form[:3, 3], form[3, 3])
+            rising = x @ row > h @ np.abs(row) + (reach @ np.abs(row)) * 2.0**-45
+            (below if signs[k] > 0 else above)[-1] &= ~rising
     return possible(tree, below, above)[0]
 
 
