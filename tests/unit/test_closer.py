@@ -30,19 +30,20 @@ def kept(a: fc.RuledSurface, b: fc.RuledSurface, t: AlgebraicRoot) -> list:
     return closer(c, t, boxes)
 
 
-SQRT2 = real_roots(fmpz_poly([-2, 0, 1]), fmpq(1), fmpq(2))[0]
+ROOT = real_roots(fmpz_poly([-2, 0, 0, 1]), fmpq(1), fmpq(2))[0]
+"""The cube root of 2."""
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_bowl_on_a_table(seed: int) -> None:
-    """z = (u - k)^2 + gap + (T^2 - 2) above z = 0: at T = sqrt 2 the gap is what is between them, at u = k."""
+    """z = (u - k)^2 + gap + (T^3 - 2) above z = 0: at T = 2^(1/3) the gap is what is between them, at u = k."""
     rng = Random(seed)
     k = F(rng.randint(-5, 5), 7)
     table = fc.RuledSurface("(-2, u, 0)", "(2, u, 0)", u=(-2, 2))
     for gap in (F(0), F(1, 2 ** rng.randint(40, 90))):
-        height = f"(u-({k}))**2+({gap})+T**2-2"
+        height = f"(u-({k}))**2+({gap})+T**3-2"
         bowl = fc.RuledSurface(f"(u,-1,{height})", f"(u,1/2,{height})", u=(-1, 1))
-        boxes = kept(bowl, table, SQRT2)
+        boxes = kept(bowl, table, ROOT)
         assert bool(boxes) is (gap == 0)
         assert gap or any(box.u[0] <= rational(k, "k") <= box.u[1] for box in boxes)
 
@@ -52,8 +53,8 @@ def test_two_tips(far: bool) -> None:
     """Two whole cones with apexes 2^-44 apart, or one: in floating point, one."""
     gap = F(1, 2**44) if far else F(0)
     up = fc.RuledSurface("(0,0,0)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 3)", u=None)
-    down = fc.RuledSurface(f"(0,0,T**2-2-({gap}))", f"((1-u**2)/(1+u**2), 2*u/(1+u**2), T**2-5-({gap}))", u=None)
-    assert bool(kept(up, down, SQRT2)) is not far
+    down = fc.RuledSurface(f"(0,0,T**3-2-({gap}))", f"((1-u**2)/(1+u**2), 2*u/(1+u**2), T**3-5-({gap}))", u=None)
+    assert bool(kept(up, down, ROOT)) is not far
 
 
 def test_the_apex_of_a_turning_cone_beside_another() -> None:

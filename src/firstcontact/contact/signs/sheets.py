@@ -57,7 +57,7 @@ class Reach(NamedTuple):
 
 
 QUICK, FARTHER, FARTHEST = Reach(400, 30_000, 8), Reach(400, 300_000, 8), Reach(400)
-"""Equations of degree 230 take a second, those of 100,000 bits a tenth of one."""
+"""Equations of degree 230 take a third of a second, those of 100,000 bits a tenth of one."""
 
 
 class TooLarge(UnsupportedPair):
