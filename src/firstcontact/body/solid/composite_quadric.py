@@ -164,6 +164,26 @@ class CompositeQuadric(Placing):
             parts=(), _box=None, _reaches=tuple(self._reaches[k] for k in kept), recipe=None,
         )  # fmt: skip
 
+    def united(self) -> list[CompositeQuadric]:
+        """The solids whose union this is, as it was put together; this one alone where it is none."""
+        waiting, found = [self.tree], []
+        while waiting:
+            tree = waiting.pop()
+            if isinstance(tree, Or):
+                waiting += [tree.second, tree.first]
+            else:
+                found.append(tree)
+        return [self] if len(found) == 1 else [self._of(tree) for tree in found]
+
+    def _of(self, tree: Tree) -> CompositeQuadric:
+        """The part of this solid that a part of its tree describes."""
+        kept = sorted(surfaces_of(tree))
+        leaves: list[Tree] = [Leaf(kept.index(k)) if k in kept else Leaf(-1) for k in range(len(self.surfaces))]
+        return self._with(
+            surfaces=tuple(self.surfaces[k] for k in kept), tree=renumbered(tree, leaves), forms=self.forms[kept],
+            parts=(), _reaches=tuple(self._reaches[k] for k in kept), recipe=None,
+        )  # fmt: skip
+
     def of_whole(self, feature: Face | Edge | Vertex) -> Face | Edge | Vertex:
         """Of a cut model's feature that of the whole one: on the same surfaces, of one kind, the nearest."""
         whole = self.whole

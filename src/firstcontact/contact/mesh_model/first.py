@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from firstcontact.contact import upright_parts
 from firstcontact.contact.centred import first_anew
 from firstcontact.contact.mesh_model import as_polyhedra, by_triangles, mesh_intervals
-from firstcontact.contact.ways import Passed, Way, answered, decided
+from firstcontact.contact.ways import Passed, Way, answered, decided, tried
 from firstcontact.result import ContactIntervals, FirstContact
 from firstcontact.work import Query
 
@@ -41,6 +42,10 @@ def _near_origin(query: Query, _: FirstContact | None) -> FirstContact | Passed:
 
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact of the two, certified; exact of solids of planes.  Raises UnsupportedPair."""
+    if upright_parts.may_be_asked(query, None):
+        by_parts = tried(lambda: upright_parts.intervals(query, None, intervals))
+        if not isinstance(by_parts, Passed):
+            return by_parts
     if not as_polyhedra.are_taken(*query.bodies):
         return mesh_intervals.intervals(query)
     ways = [

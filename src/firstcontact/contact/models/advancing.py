@@ -34,7 +34,7 @@ def ignoring_advance(answer: Callable[[Query], ContactIntervals]) -> Callable[[Q
 
     @wraps(answer)
     def asked(query: Query) -> ContactIntervals:
-        other = without_advance(query, _upright)
+        other = without_advance(query, upright)
         if other is None:
             return answer(query)
         if isinstance(other, Apart):
@@ -45,7 +45,7 @@ def ignoring_advance(answer: Callable[[Query], ContactIntervals]) -> Callable[[Q
     return asked
 
 
-def _upright(body: Body, normal: Vector) -> Upright | None:
+def upright(body: Body, normal: Vector) -> Upright | None:
     heights = _heights(shape_of(body), normal)
     return heights and Upright(*heights, lambda least, most: _stretched(body, normal, heights, (least, most)))
 

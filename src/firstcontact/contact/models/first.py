@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact import upright_parts
 from firstcontact.contact.models.advancing import ignoring_advance
 from firstcontact.contact.models.algorithm import Meeting, Root, Search
 from firstcontact.contact.models.answer import contact_of, listed, world_time
@@ -324,6 +326,7 @@ def intervals(query: Query) -> ContactIntervals:
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", lambda query, _: by_algebra(query, work(query)), lambda query, _: not query.is_certified),
         Way("as polyhedra", _intervals_as_polyhedra, lambda query, _: not query.is_algebraic),
+        Way("by upright parts", partial(upright_parts.intervals, ask=intervals), upright_parts.may_be_asked),
     ], query)  # fmt: skip
 
 
