@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 DEVIATION = 1e-4
 """Of the size of a part: how far triangles are from its faces at most, unless it is said."""
-MOST_PIECES = 120
+MOST_PIECES = 80
 """That are made of one solid, those that are mended counted anew, where nobody asks for more: about five seconds."""
 
 

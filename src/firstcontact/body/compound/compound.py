@@ -137,7 +137,7 @@ class Compound(Placing):
 
     @property
     def exact(self) -> bool:
-        """Whether its surfaces are those of the file, not triangles in their place."""
+        """Whether no point of it is off the file's surfaces, not even by rounding."""
         return self.deviation == 0.0
 
     def bounds(self, span: tuple[float, float] | None = None) -> tuple[np.ndarray, np.ndarray]:

@@ -153,10 +153,12 @@ class HoledSearch(MeshSearch):
         size = float(np.abs(points).max() + np.abs(p[9:12]).max() + np.abs(q[9:12]).max())
         x = np.linalg.solve(linear(p), (points @ linear(q).T + q[9:12] - p[9:12]).T).T
         off = 2.0 * off * float(np.abs(np.linalg.solve(linear(p), linear(q))).sum(axis=1).max()) + 1e-13 * size
-        corners = self.mesh.vertices[self.mesh.triangles]
+        room = off + 2.0 * self.mesh.error
+        lo, hi = self.mesh.bounds()
+        far = (np.maximum(lo - x, x - hi).max(axis=1) > room).tolist()
         return [
-            tuple(c) if _least_distance(corners, c) > r + 2.0 * self.mesh.error else None
-            for c, r in zip(x, off.tolist(), strict=True)
+            tuple(c) if apart or _least_distance(self.mesh, c) > r else None
+            for c, r, apart in zip(x, room.tolist(), far, strict=True)
         ]
 
     def approach(self, window: Window, t: float, place: np.ndarray) -> np.ndarray:
@@ -414,18 +416,28 @@ def _on_ellipsoid(form: np.ndarray) -> np.ndarray:
     return point
 
 
-def _least_distance(corners: np.ndarray, x: np.ndarray) -> float:
-    """At most the distance from a point to triangles (n, 3, 3): of their planes, and across their sides."""
-    if not len(corners):
+_FRAMES = Kept[tuple[np.ndarray, np.ndarray, np.ndarray]]()
+"""Of a polyhedron's triangles corners (n, 3, 3), unit normals (n, 3) and unit vectors out across sides (n, 3, 3)."""
+
+
+def _least_distance(mesh: Polyhedron, x: np.ndarray) -> float:
+    """At most the distance from a point to the triangles: of their planes, and across their sides."""
+    if not len(mesh.triangles):
         return np.inf
-    sides = np.roll(corners, -1, axis=1) - corners
-    normals = np.cross(sides[:, 0], sides[:, 1])
-    far = np.abs(np.einsum("nd,nd->n", normals, x - corners[:, 0])) / _lengths(normals)
-    outward = np.cross(sides, normals[:, None])
-    beyond = np.einsum("nsd,nsd->ns", outward, x - corners) / _lengths(outward)
+    corners, normals, outward = _FRAMES.of(mesh, lambda: _frames(mesh.vertices[mesh.triangles]))
+    away = x - corners
+    far = np.abs(np.einsum("nd,nd->n", normals, away[:, 0]))
+    beyond = np.einsum("nsd,nsd->ns", outward, away)
     return float(np.maximum(far, beyond.max(axis=1)).min())
 
 
+def _frames(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    sides = np.roll(corners, -1, axis=1) - corners
+    normals = np.cross(sides[:, 0], sides[:, 1])
+    outward = np.cross(sides, normals[:, None])
+    return corners, normals / _lengths(normals), outward / _lengths(outward)
+
+
 def _lengths(x: np.ndarray) -> np.ndarray:
-    lengths: np.ndarray = np.maximum(np.linalg.norm(x, axis=-1), 1e-300)
+    lengths: np.ndarray = np.maximum(np.linalg.norm(x, axis=-1, keepdims=True), 1e-300)
     return lengths

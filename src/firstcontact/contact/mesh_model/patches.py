@@ -224,17 +224,20 @@ def is_sharp_edge(body: Polyhedron, e: int) -> bool:
     """Whether a segment is an edge that users know, and its triangles do not lie in one plane."""
     if not 0 <= e < len(body.edges):
         return False
-    return e < body.given_edges or not _in_one_plane(body, triangles_at_edge(body, e))
+    is_bent = e < body.given_edges or _BENT.of(body, lambda: _bent(body))[e]
+    return bool(is_bent) or not _in_one_plane(body, triangles_at_edge(body, e))
 
 
 def is_sharp_vertex(body: Polyhedron, v: int) -> bool:
     """Whether the triangles at a vertex do not lie in one plane, or end there (on the rim of an open surface)."""
     around = triangles_at_vertex(body, v)
-    sides = np.unique(body.side_edge[around])
-    ends = (e for e in sides if v in body.segments[e] and len(triangles_at_edge(body, e)) < 2)
-    return not _in_one_plane(body, around) or any(ends)
+    sides = [e for e in set(body.side_edge[around].ravel().tolist()) if e >= 0 and v in body.segments[e]]
+    if _BENT.of(body, lambda: _bent(body))[sides].any() or any(len(triangles_at_edge(body, e)) < 2 for e in sides):
+        return True
+    return not _in_one_plane(body, around)
 
 
+_BENT = Kept[np.ndarray]()
 _AT_EDGES = Kept[tuple[np.ndarray, np.ndarray]]()
 _AT_VERTICES = Kept[tuple[np.ndarray, np.ndarray]]()
 
@@ -248,13 +251,20 @@ def triangles_at_vertex(body: Polyhedron, v: int) -> np.ndarray:
 
 
 def _at(body: Polyhedron, place: Kept[tuple[np.ndarray, np.ndarray]], numbers: np.ndarray, k: int) -> np.ndarray:
-    """The rows (n, 3) that name the number, ascending; their order by numbers is kept on the body."""
+    """The rows (n, 3) that name the number, ascending."""
+    rows, ordered = _rows_of(body, place, numbers)
+    return rows[np.searchsorted(ordered, k) : np.searchsorted(ordered, k, side="right")]
+
+
+def _rows_of(
+    body: Polyhedron, place: Kept[tuple[np.ndarray, np.ndarray]], numbers: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The rows (n, 3) that name numbers, and these, in their order; kept on the body."""
     def sort() -> tuple[np.ndarray, np.ndarray]:
         order = np.argsort(numbers.ravel(), kind="stable")
         return order // 3, numbers.ravel()[order]
 
-    rows, ordered = place.of(body, sort)
-    return rows[np.searchsorted(ordered, k) : np.searchsorted(ordered, k, side="right")]
+    return place.of(body, sort)
 
 
 def _in_one_plane(body: Polyhedron, triangles: np.ndarray) -> bool:
@@ -267,6 +277,27 @@ def _in_one_plane(body: Polyhedron, triangles: np.ndarray) -> bool:
         return False
     height = dot(n, points[0][0])
     return all(dot(n, p) == height for t in points for p in t)
+
+
+def _bent(body: Polyhedron) -> np.ndarray:
+    """(segments,) whether doubles prove that two triangles of it do not lie in one plane.
+
+    Of u, v, w, each entry at most D and off by e, the determinant is off by 18 D^2 e at most, and its roundings are 48
+    of D^3 at most.
+    """
+    rows, ordered = _rows_of(body, _AT_EDGES, body.side_edge)
+    bent = np.zeros(len(body.segments), bool)
+    twice = np.flatnonzero((ordered[1:] == ordered[:-1]) & (ordered[1:] >= 0))  # not of diagonals
+    if not len(twice):
+        return bent
+    one, other = (body.vertices[body.triangles[rows[twice + k]]] for k in (0, 1))
+    u, v, w = one[:, 1] - one[:, 0], one[:, 2] - one[:, 0], other - one[:, :1]
+    off = 2.0 * body.error + 2.0**-51 * float(np.abs(body.vertices).max())
+    most = np.max([np.abs(x).reshape(len(twice), -1).max(axis=1, initial=0.0) for x in (u, v, w)], axis=0) + off
+    bound = 20.0 * most * most * off + 2.0**-46 * most**3 + 1e-300  # where products underflow
+    heights = np.einsum("nsd,nd->ns", w, np.cross(u, v))
+    bent[ordered[twice[(np.abs(heights) > bound[:, None]).any(axis=1)]]] = True
+    return bent
 
 
 def prisms(points: Sequence[Vector]) -> list[CompositeQuadric]:
