@@ -11,6 +11,7 @@ import pytest
 from amount import THOROUGH
 from firstcontact import query
 from firstcontact.contact.polyhedra import first
+from firstcontact.kernels import cache
 
 hypothesis.settings.register_profile("fixed", derandomize=True, deadline=None, database=None, print_blob=True)
 hypothesis.settings.load_profile("fixed")
@@ -18,6 +19,17 @@ hypothesis.settings.load_profile("fixed")
 ENGINE = os.environ.get("FIRSTCONTACT_ENGINE", "auto")
 if ENGINE not in query.ENGINES:
     raise pytest.UsageError(f"FIRSTCONTACT_ENGINE is {ENGINE!r}; choose one of {', '.join(query.ENGINES)}")
+
+
+def pytest_sessionstart(session):
+    """All tests need all kernels: where none is compiled, they are together, in a fraction of the time that the tests
+    would take, each for its own and two processes for the same ones."""
+    config = session.config
+    every = config.args_source is pytest.Config.ArgsSource.TESTPATHS and not config.option.collectonly
+    if every and not hasattr(config, "workerinput") and not next(cache.FOLDER.rglob("*.nbc"), None):
+        from firstcontact.warmup import cores, warm_together  # loads all that answers
+
+        warm_together(cores())
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -138,13 +138,13 @@ total = st.sampled_from(
 axis = triple.filter(any)
 
 
-@settings(max_examples=amount(500))
+@settings(max_examples=amount(500, 20))
 @given(body, body, triple, span_end)
 def test_any_small_translation(a, b, v, until):
     assert_same_first_contact(Scene(a, g.moved(b, (3, 0, 0)), translation=tuple(v), until=until))
 
 
-@settings(max_examples=amount(400))
+@settings(max_examples=amount(400, 16))
 @given(body, body, axis, triple, total)
 def test_any_small_rotation(a, b, h, point, angle):
     assert_same_first_contact(Scene(a, g.moved(b, (3, 0, 0)), rotation={"axis": h, "point": point, **angle}))

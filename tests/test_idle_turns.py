@@ -84,6 +84,7 @@ def under(body, motion):
     return body if TURNS[motion] is None else body.moving(TURNS[motion])
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("of_bolt, of_plate", [
     ("rest", "screw"), ("shift", "turn"), ("shift", "screw"), ("turn", "turns"), ("turns", "other way"),
     ("screw", "rest"), ("screw", "turn"), ("screw", "screw"), ("screw", "other way"), ("other way", "shift"),

@@ -36,7 +36,7 @@ def found_pairs(pairs: fc.ContactPairs) -> set[tuple]:
 @pytest.mark.parametrize("first", [0, 100])
 def test_lattice_scenes(first, rotating):
     most = 0
-    for seed in range(first, first + 100):
+    for seed in range(first, first + amount(100, 2)):
         s = lattice_scene(seed, rotating)
         if not (s.a.f or s.a.e) or not (s.b.f or s.b.e):
             continue  # a point set has no edges to number
@@ -53,7 +53,7 @@ def test_lattice_scenes(first, rotating):
 def test_reported_pairs_are_those_tested_one_by_one(rotating):
     """By the levels of the linearisation from the first pair on."""
     most = 0
-    for scene in small_scenes(5000, amount(120, 3), rotating):
+    for scene in small_scenes(5000, amount(120), rotating):
         answers = []
         for engine in ("boxes", "composed"):
             a, b, span = question(scene)
@@ -62,7 +62,7 @@ def test_reported_pairs_are_those_tested_one_by_one(rotating):
             answers.append([(set(x.pairs), set(x.start)) for x in found])
         assert answers[0] == answers[1], scene
         most = max([most, *(len(pairs) for pairs, _ in answers[0])])
-    assert most > 20
+    assert most > 15
 
 
 @pytest.mark.share(2)

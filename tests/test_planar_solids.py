@@ -83,7 +83,7 @@ MOTIONS = {
 @pytest.mark.parametrize("kind", MOTIONS)
 def test_answers_are_those_by_triangles(kind):
     rng, seen, k = np.random.default_rng(61), [], 0
-    while seen.count(fc.Status.CONTACT) < amount(12, 4):
+    while seen.count(fc.Status.CONTACT) < amount(12, 6):
         k += 1
         solid, ball, motion = heap(rng, 3).named("solid"), mesh(rng).named("ball"), MOTIONS[kind](rng)
         ball = ball.translated(rng.integers(-5, 6, 3).tolist())

@@ -150,7 +150,7 @@ def test_surfaces_that_make_no_difference_are_told():
     assert regions.deciding(Or(Leaf(0), Not(Leaf(0)))) == set() == regions.deciding(True)
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("kind", ["sunk", "drill", "bore", "slot"])
 def test_a_hundred_holes(kind):
     """Built and asked within seconds, again within milliseconds."""

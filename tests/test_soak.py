@@ -27,7 +27,8 @@ SEED = 20
 SCENES = 1
 LONG = {
     "meshes/screwed on a plate", "meshes/steps to a plate", "mixed/graze", "mixed/landing",
-    "mixed/pin in a bore", "solids/nested start", "solids/pin in a bore", "solids/two balls", "ruled/tips on solids",
+    "mixed/pin in a bore", "mixed/stairs and a pin", "solids/nested start", "solids/pin in a bore", "solids/two balls",
+    "ruled/tips on solids", "ruled/trimmed disc",
 }  # fmt: skip
 """Kinds that take seconds a scene: for the soak itself, and thorough tests."""
 

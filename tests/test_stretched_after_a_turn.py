@@ -56,6 +56,7 @@ def test_a_box_that_grows_runs_into_a_corner():
         assert only.start == pytest.approx((1 + s) / 2, abs=1e-15) and only.end == 1.0
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", [0, 1, 2, 5, 6, 7, 8, 9])
 def test_boxes_that_turn_and_stretch_against_their_outlines(seed):
     rng = random.Random(seed)

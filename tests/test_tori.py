@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 from fractions import Fraction as F
+from functools import cache
 
 import numpy as np
 import pytest
@@ -395,18 +396,20 @@ def test_halved_nets_stay_as_near_their_surface_as_is_said():
     assert 0.0 < worst <= nets.off < 1e-12
 
 
+@cache
+def of_scale(s):
+    stretch = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    motion = fc.RationalMotion([stretch, [[0, 0, 0, -8 * s], [0, 0, 0, -6 * s], [2, 0, 0, -5 * s], [0, 0, 0, 0]]])
+    grown = [[s * (i == j) for j in range(4)] for i in range(3)] + [[0, 0, 0, 1]]
+    solid = fc.paraboloid((1, 2), 1) | fc.ellipsoid((3, 3, 3)).translated((5, 2, 0))
+    ring = fc.torus(2, 1).rotated((1, 0, 0), degrees=90).transformed(grown)
+    return fc.first_contact(solid.translated((6, 2, -3)).transformed(grown).moving(motion), ring)
+
+
 @pytest.mark.parametrize("scale", [F(1, 2**20), F(1, 1000), F(10**6)])
 def test_scaled_bodies_meet_a_scaled_torus_just_then(scale):
     """Heights over the torus were in the unit of its own frame, those over the other solid in the world's."""
-    def asked(s):
-        stretch = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
-        motion = fc.RationalMotion([stretch, [[0, 0, 0, -8 * s], [0, 0, 0, -6 * s], [2, 0, 0, -5 * s], [0, 0, 0, 0]]])
-        grown = [[s * (i == j) for j in range(4)] for i in range(3)] + [[0, 0, 0, 1]]
-        solid = fc.paraboloid((1, 2), 1) | fc.ellipsoid((3, 3, 3)).translated((5, 2, 0))
-        ring = fc.torus(2, 1).rotated((1, 0, 0), degrees=90).transformed(grown)
-        return fc.first_contact(solid.translated((6, 2, -3)).transformed(grown).moving(motion), ring)
-
-    found, plain = asked(scale), asked(1)
+    found, plain = of_scale(scale), of_scale(1)
     assert found.status is plain.status is fc.Status.CONTACT
     assert found.time == pytest.approx(plain.time, abs=1e-12)
     assert found.point == pytest.approx(plain.point * float(scale), rel=1e-6)

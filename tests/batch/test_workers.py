@@ -70,7 +70,7 @@ def test_arguments_are_those_of_first_contact(arguments):
 def test_a_worker_that_is_killed_is_no_loss(at_once, monkeypatch):
     """Every row is there, none twice, and the processes are gone in the end."""
     monkeypatch.setattr(workers, "FIRST_PART", 2)
-    queries = [(BALL.moving(fc.Translation(x)), EGG) for x in vectors(150).tolist()]
+    queries = [(BALL.moving(fc.Translation(x)), EGG) for x in vectors(60).tolist()]
     told, killed = [], []
 
     def progress(done, total):
@@ -82,7 +82,7 @@ def test_a_worker_that_is_killed_is_no_loss(at_once, monkeypatch):
     table = fc.first_contacts(queries, workers=2, progress=progress)
     assert killed and rows_of(table) == one_by_one(queries)
     done = [n for n, _ in told]
-    assert done == sorted(set(done)) and told[-1] == (150, 150)
+    assert done == sorted(set(done)) and told[-1] == (60, 60)
     assert not [x for x in active_children() if x.pid in killed]
 
 

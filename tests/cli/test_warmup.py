@@ -1,7 +1,15 @@
 """`firstcontact warmup`: afterwards nothing is left to compile."""
 
+import importlib
+import io
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
+import pytest
+
+from firstcontact.cli import run
+
+warmup = importlib.import_module("firstcontact.cli.warmup")
 QUERIES = """
 import gc
 from numba.core.dispatcher import Dispatcher
@@ -12,7 +20,7 @@ def compiled():
     kernels = [d for d in gc.get_objects() if isinstance(d, Dispatcher) and "firstcontact" in d.__module__]
     return {(d.__module__, d.__name__, str(s)) for d in kernels for s in d.signatures}
 
-warm()
+left = warm()
 before = compiled()
 ball = fc.examples.noisy_sphere(80)
 gear = fc.examples.spur_gear(96, teeth=4).translated((2.5, 0, 0))
@@ -32,7 +40,7 @@ fc.contact_pairs(gear.moving(swing), ball)
 rows = [[[(k, y, (k * k * (3 + y)) % 5) for y in (-4, 4)] for k in range(-3, 4)] for _ in range(2)]
 strips = [fc.RuledSurface.from_nurbs(grid, [0] * 4 + [1, 2, 3] + [4] * 4) for grid in rows]
 fc.intersection_curve(strips[0], strips[1].rotated((0, 0, 1), degrees=90).translated((0, 0, "1/3")))
-print(len(before) > 10, sorted(compiled() - before))
+print(left, len(before) > 10, sorted(compiled() - before))
 """
 
 
@@ -62,17 +70,31 @@ COMMANDS = [
 ]
 
 
-def test_warmup_tells_its_steps_and_that_nothing_is_left_to_do(command):
-    code, out, err = command("warmup", "--progress")
-    assert code == 0 and (out.startswith("ready after ") or out == NOTHING)
-    assert "first_contact under rotation" in err or "━" in err
-    assert command("warmup") == (0, NOTHING, "")
-
-
 NOTHING = "nothing to do: all kernels are compiled\n"
 
 
-def test_queries_and_examples_after_warming_up_compile_nothing_more(python):
+@pytest.fixture(scope="module")
+def warmed():
+    """What the command says: once, for it takes a while where all is compiled, too."""
+    out, err = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(err):
+        code = run(["warmup", "--progress"])
+    return code, out.getvalue(), err.getvalue()
+
+
+def test_warmup_tells_its_steps(warmed):
+    code, out, err = warmed
+    assert code == 0 and (out.startswith("ready after ") or out == NOTHING)
+    assert "first_contact under rotation" in err or "━" in err
+
+
+def test_it_tells_how_many_kernels_were_compiled_and_that_nothing_is_left_to_do(command, monkeypatch):
+    for count, told in ((7, "ready after 0.0 s: 7 kernels compiled\n"), (0, NOTHING)):
+        monkeypatch.setattr(warmup, "_warm", lambda shows, count=count: count)
+        assert command("warmup") == (0, told, "")
+
+
+def test_queries_and_examples_after_warming_up_compile_nothing_more(warmed, python):
     done = python(QUERIES + EXAMPLES.replace("{COMMANDS}", repr(COMMANDS)), Path(__file__).parents[2])
     assert done.returncode == 0, done.stderr
-    assert done.stdout == "True []\n0 True\n"
+    assert done.stdout == "0 True []\n0 True\n"

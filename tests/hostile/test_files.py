@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from amount import amount
 from firstcontact.cli import run
 from firstcontact.io.meshes import write_mesh
 from firstcontact.scene.load import load_scene
@@ -202,7 +203,7 @@ def test_mutations_of_a_good_file_are_read_or_refused_in_one_line(good, tmp_path
     refused = 0
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        for seed in range(1000):
+        for seed in range(amount(1000)):
             path.write_bytes(mutated(data, random.Random(seed)))
             begin = time.process_time()
             try:

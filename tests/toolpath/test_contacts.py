@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from amount import amount
 from firstcontact.kernels.workspace import workspace
 from firstcontact.search.trees.frame import tree_of
 from firstcontact.toolpath.check import Setup
@@ -84,7 +85,7 @@ def test_what_the_chords_of_an_arc_pass_by_is_met(tmp_path):
     Within a part of the arc the cutter goes beyond the hull of the part's ends.  Halves of a turn at the radius 50:
     the ring ends at 53.
     """
-    for angle in np.linspace(0.1, math.pi - 0.1, 41):
+    for angle in np.linspace(0.1, math.pi - 0.1, amount(41, 4)):
         in_the_way = found_in(tmp_path, "G3 X-50 Y0 I-50", {"spike": spike(angle, 53 - 1e-4)}, start=(50, 0, 0))
         assert only(in_the_way).fraction == pytest.approx(angle / math.pi, abs=1e-2)
         beside = found_in(tmp_path, "G3 X-50 Y0 I-50", {"spike": spike(angle, 53 + 1e-4)}, start=(50, 0, 0))
@@ -98,7 +99,7 @@ def test_what_the_chords_of_a_swing_pass_by_is_met(tmp_path):
     """
     text = "MULTAX/ON\nFROM/0,0,0,0,0,1\nGOTO/0,0,0,1,0,0"
     flutes, rim = fc.Tool([("flutes", "cutter", 6, 20)]), math.hypot(3, 20)
-    for angle in np.linspace(0.2, 1.2, 21):
+    for angle in np.linspace(0.2, 1.2, amount(21, 3)):
         told = []
         for reach in (rim - 1e-4, rim + 1e-4):
             body = spike(0.0, reach)

@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,7 @@ def module_of(file: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
+@cache
 def imports(file: Path, *, lazy: bool) -> set[str]:
     """Modules the file imports: anywhere (lazy), or when it is imported itself; never TYPE_CHECKING."""
     found: set[str] = set()
@@ -43,7 +45,7 @@ def imports(file: Path, *, lazy: bool) -> set[str]:
     def visit(node: ast.AST) -> None:
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
             return
-        if not lazy and isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+        if not lazy and isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             return
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
@@ -51,11 +53,17 @@ def imports(file: Path, *, lazy: bool) -> set[str]:
             assert node.level == 0, f"{file}: relative import"
             found.add(node.module or "")
             found.update(f"{node.module}.{alias.name}" for alias in node.names)
-        for child in ast.iter_child_nodes(node):
-            visit(child)
+        if isinstance(node, ast.stmt | ast.Module | ast.ExceptHandler | ast.match_case):  # no expression imports
+            for child in ast.iter_child_nodes(node):
+                visit(child)
 
-    visit(ast.parse(file.read_text()))
+    visit(parsed(file))
     return found
+
+
+@cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text())
 
 
 def offenders(folder: str, forbidden: tuple[str, ...], *, lazy: bool = True) -> list[str]:
