@@ -142,6 +142,21 @@ def test_points_touch_at_the_start_and_in_the_last_instant(kind):
     assert (landed.status, landed.time) == (fc.Status.CONTACT, 1.0)
 
 
+def test_a_reflex_corner_is_no_tip():
+    """An upright plate with a notch: at the bottom of the notch, (0, 0, 0), its edges go up, the plate goes down."""
+    outline = [(0, 0, 0), (0, 1, 1), (0, 1, -1), (0, -1, -1), (0, -1, 1)]
+    plate = fc.Polyhedron(outline, [tuple(range(5))]).translated((-1, 0, "1/4"))
+    hit = fc.first_contact(plate.moving(ALONG), RING)
+    assert hit.time < 0.75 and fc.first_contact(RING, plate.moving(ALONG)).status is not fc.Status.FREE
+
+
+def test_vertices_that_nothing_uses_are_no_points():
+    """The first vertex of the mesh grazes the ring, but no face has it."""
+    x, faces = [(0, 0, 0), (0, 0, 9), (1, 0, 9), (0, 1, 9), (0, 0, 8)], [(1, 2, 3), (1, 4, 2), (1, 3, 4), (2, 4, 3)]
+    loose = fc.Polyhedron(x, faces).translated((-1, 0, "1/4"))
+    assert fc.first_contact(loose.moving(ALONG), RING).status is fc.Status.FREE
+
+
 # -- seeded families ----------------------------------------------------------------------------------------
 
 

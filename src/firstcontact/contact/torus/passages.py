@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.torus.between import Between, Body, pose_of
 from firstcontact.contact.torus.cells import square
 from firstcontact.contact.torus.heights import Beyond, Forms, Ring
-from firstcontact.contact.torus.points import Course, Event, Point, points_of, reach_of
-from firstcontact.exact.numbers import above, below, exact_value, to_double
+from firstcontact.contact.torus.points import Course, Event, Point, points_of, reach_of, vertex_of
+from firstcontact.exact.numbers import above, below, exact_value
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.close_up import Passage, Stretch
+from firstcontact.search.trees.frame import tree_of
 from firstcontact.timeline.sweep import Pass
 
 if TYPE_CHECKING:
@@ -37,52 +40,81 @@ class Passages:
         self.free, self.span, self.side = free, span, side
         self.bodies = bodies[side], bodies[1 - side]
         self.torus: Any = shape_of(bodies[1 - side])
-        self.courses: dict[int, Course] = {}
+        self.shape: Any = shape_of(bodies[side])
+        self.courses: dict[tuple[int, float], Course | None] = {}
 
     @cached_property
     def points(self) -> list[Point]:
-        return points_of(shape_of(self.bodies[0]))
+        """Of a model; those of a polyhedron are made when they are asked for."""
+        return points_of(self.shape)
+
+    @cached_property
+    def corners(self) -> np.ndarray | None:
+        """(n, 3) of a polyhedron."""
+        return tree_of(self.shape).corners if isinstance(self.shape, Polyhedron) else None
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """(n, 3) points in doubles, in their body's frame."""
+        if self.corners is not None:
+            owned = np.zeros(len(self.shape.vertices), bool)
+            owned[self.corners] = True
+            return np.where(owned[:, None], self.shape.vertices, np.nan)
+        return np.array([point.in_doubles for point in self.points]).reshape(-1, 3)
 
     def passage(self, window: Window, t: float) -> Pass | None:
         """From t on; None where nothing is proved."""
-        if not self.points:
+        course = self._course(window, t)
+        if course is None:
             return None
-        start, limit = max(exact_value(t), self.span[0]), min(exact_value(window.last), self.span[1])
-        k = self._nearest(window, t)
-        course = self.courses.setdefault(k, Course(self.points[k], self.bodies, self.torus, self.span))
-        later = [x for x in course.events if x.hi >= start]
-        stretches, graze, instant = self._stretches(course, later, start, limit)
-        if not stretches or not self._is_proved(window, self.points[k], stretches):
+        later = [x for x in course.events if x.hi >= exact_value(t)]
+        stretches, graze, instant = self._stretches(course, later, max(exact_value(t), course.span[0]))
+        if not stretches or not self._is_proved(window, course.point, stretches):
             return None
-        point = self.place(window, self.points[k], above(stretches[-1].hi)) if stretches[-1].contact else None
+        point = self._place(window, course.point, above(stretches[-1].hi)) if stretches[-1].contact else None
         return Pass(Passage(stretches, graze), point, instant)
 
     def touched_at_start(self, window: Window) -> tuple[np.ndarray, bool] | None:
         """(a point that is on the torus just at the start, whether that is proved to be the only common one)."""
-        if not self.points:
+        course = self._course(window, window.first)
+        if course is None or not any(x.exact == self.span[0] for x in course.events):
             return None
-        k = self._nearest(window, window.first)
-        course = self.courses.setdefault(k, Course(self.points[k], self.bodies, self.torus, self.span))
-        if not any(x.exact == self.span[0] for x in course.events):
-            return None
-        alone = self._is_proved(window, self.points[k], [Stretch(False, self.span[0], self.span[0])])
-        return self.place(window, self.points[k], window.first), alone
+        alone = self._is_proved(window, course.point, [Stretch(False, self.span[0], self.span[0])])
+        return self._place(window, course.point, window.first), alone
 
     def nearest_place(self, window: Window, t: float) -> np.ndarray:
         """Where the point is that is nearest to the surface of the torus."""
-        return self.place(window, self.points[self._nearest(window, t)], t)
+        course = self._course(window, t)
+        assert course is not None
+        return self._place(window, course.point, t)
 
-    def place(self, window: Window, point: Point, t: float) -> np.ndarray:
+    def _place(self, window: Window, point: Point, t: float) -> np.ndarray:
         """In the world."""
         pose = pose_of(self._tables(window)[0], t)
         place: np.ndarray = pose[:3, :3] @ point.in_doubles + pose[:3, 3]
         return place
 
+    def _course(self, window: Window, t: float) -> Course | None:
+        """Of the point that is nearest to the torus' surface, inside the window, within which poses do not jump."""
+        k = self._nearest(window, t)
+        if k is None:
+            return None
+        known = k, window.first
+        if known not in self.courses:
+            first = exact_value(window.first)
+            first = self.span[0] if first <= self.span[0] else exact_value(math.nextafter(window.first, math.inf))
+            last = self.span[1] if exact_value(window.last) >= self.span[1] else exact_value(window.inner)
+            point = self.points[k] if self.corners is None else vertex_of(self.shape, self.corners, k)
+            self.courses[known] = None
+            if point is not None and first <= last:
+                self.courses[known] = Course(point, self.bodies, self.torus, (first, last))
+        return self.courses[known]
+
     def _stretches(
-        self, course: Course, later: list[Event], start: fmpq, limit: fmpq
+        self, course: Course, later: list[Event], start: fmpq
     ) -> tuple[list[Stretch], tuple[fmpq, fmpq] | None, fmpq | None]:
         """Until the next event and beyond, with the time of a graze; none where nothing is known."""
-        span, width = self.span[1] - self.span[0], exact_value(self.free.width)
+        span, width, limit = self.span[1] - self.span[0], exact_value(self.free.width), course.span[1]
         if not later or later[0].lo - start > NEAR * span:
             state, end = course.state_at(start), min(limit, start + AHEAD * span)
             return ([] if state is None or end <= start else [Stretch(state, start, end)]), None, None
@@ -127,13 +159,13 @@ class Passages:
             return False
         return stretches[-1].contact or not self.free.holds_torus(window, hi)
 
-    def _nearest(self, window: Window, t: float) -> int:
-        """The point that is nearest to the surface of the torus."""
+    def _nearest(self, window: Window, t: float) -> int | None:
+        if not len(self.places):
+            return None
         own, other = (pose_of(table, t) for table in self._tables(window))
         way = np.linalg.solve(other @ square(self.torus.pose), own)
-        x = np.array([p.in_doubles for p in self.points]) @ way[:3, :3].T + way[:3, 3]
-        major, minor = to_double(self.torus.major), to_double(self.torus.minor)
-        return int(np.abs(np.hypot(np.hypot(x[:, 0], x[:, 1]) - major, x[:, 2]) - minor).argmin())
+        x, (major, minor) = self.places @ way[:3, :3].T + way[:3, 3], self.torus.radii
+        return int(np.nanargmin(np.abs(np.hypot(np.hypot(x[:, 0], x[:, 1]) - major, x[:, 2]) - minor)))
 
     def _tables(self, window: Window) -> tuple[np.ndarray, np.ndarray]:
         return (window.a, window.b) if self.side == 0 else (window.b, window.a)

@@ -1,8 +1,8 @@
 """Points of a body that meet a torus while nothing else of it does: exact, where doubles end.
 
 A point v that a body owns is in the torus where a polynomial in the motion's parameter is <= 0.  Next to v, the tip of
-a cone or a vertex of a polyhedron, the body lies in v + K, K the cone, or what the edges at the vertex span.  Let h be
-the distance from the torus, g its gradient at v, and g.d >= c |d| for all d in K.  Where h bends by b at most,
+a cone or a vertex of a polyhedron, the body lies in v + K, K the cone, or what edges, or triangles, span there.  Let
+h be the distance from the torus, g its gradient at v, and g.d >= c |d| for all d in K.  Where h bends by b at most,
     h(y) >= h(v) + g.(y - v) - b |y - v|^2 / 2 >= h(v) + |y - v| (c - b r / 2)    for y in v + K, |y - v| <= r.
 So for b r < 2 c a point of the body that near to v is in the torus only if v is.  What is farther away is told by
 cells.  Over a time in which both hold, the bodies are in contact just when the polynomial is <= 0.
@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from flint import arb, fmpq, fmpq_poly, fmpz_poly
 
-from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid import carriers
 from firstcontact.body.solid.carriers import Plane, Surface
 from firstcontact.body.torus.torus import Torus, quartic
@@ -33,6 +32,8 @@ from firstcontact.search.convex.tips import Tip, tips_of
 
 if TYPE_CHECKING:
     from firstcontact.body import kinds
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
+    from firstcontact.body.solid.composite_quadric import CompositeQuadric
 
 BITS = 256
 HALVINGS = 24
@@ -40,7 +41,7 @@ HALVINGS = 24
 
 
 class Point(NamedTuple):
-    """place: in its body's frame, exact; tip: of a cone, else ways: along the edges there."""
+    """place: in its body's frame, exact; K is the cone of the tip, else spanned by the ways."""
 
     place: Vector
     tip: Tip | None
@@ -77,20 +78,30 @@ class Event(NamedTuple):
     after: bool | None
 
 
-def points_of(shape: Any) -> list[Point]:
-    """Tips of a convex model and corners of its planes; vertices of a polyhedron."""
-    if isinstance(shape, Polyhedron):
-        return _vertices(shape)
+def points_of(model: CompositeQuadric) -> list[Point]:
+    """Tips of a convex model, and corners of its planes."""
     try:
-        solids = convex_pieces(shape).solids
+        solids = convex_pieces(model).solids
     except NotConvex:
         return []
     if len(solids) != 1:
         return []
     tips = [Point(_vector(tip.point), tip, []) for tip in tips_of(solids[0])]
-    places = (x.carrier for x in shape.vertices if not x.is_apex)
+    places = (x.carrier for x in model.vertices if not x.is_apex)
     corners = (_corner(solids[0][0], [row[0] for row in x.basis]) for x in places if isinstance(x, carriers.Point))
     return [*tips, *(x for x in corners if x is not None)]
+
+
+def vertex_of(mesh: Polyhedron, corners: np.ndarray, k: int) -> Point | None:
+    """Vertex k of a polyhedron, K what its triangles span there: where a polygon is reflex, edges do not.
+
+    corners: (n, 3) of triangles, bare edges and points.  None in an irrational pose.
+    """
+    near = {int(i) for row in corners[np.any(corners == k, axis=1)] for i in row} - {k}
+    place, *others = (mesh.exact_vertex(i) for i in (k, *sorted(near)))
+    if not all(isinstance(x, fmpq) for x in place):
+        return None
+    return Point(place, None, [way for x in others if any(way := sub(x, place))])
 
 
 def _corner(forms: Sequence[Surface], x: Sequence[fmpq]) -> Point | None:
@@ -109,24 +120,13 @@ def _vector(x: Sequence[fmpq]) -> Vector:
     return p, q, r
 
 
-def _vertices(mesh: Polyhedron) -> list[Point]:
-    places = [mesh.exact_vertex(i) for i in range(len(mesh.vertices))]
-    if not all(isinstance(x, fmpq) for place in places for x in place):
-        return []
-    ends: list[list[Vector]] = [[] for _ in places]
-    for i, j in mesh.edges.tolist():
-        ends[i].append(sub(places[j], places[i]))
-        ends[j].append(sub(places[i], places[j]))
-    return [Point(place, None, ways) for place, ways in zip(places, ends, strict=True)]
-
-
 class Course:
     """A point's way through a torus: `bodies`, its own first, over `span`."""
 
     def __init__(
         self, point: Point, bodies: tuple[kinds.Body, kinds.Body], torus: Torus, span: tuple[fmpq, fmpq]
     ) -> None:
-        self.point, self.torus = point, torus
+        self.point, self.torus, self.span = point, torus, span
         self.events: list[Event] = []
         """In the order of time."""
         self.inside: bool | None = None
