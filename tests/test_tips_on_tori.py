@@ -142,6 +142,19 @@ def test_points_touch_at_the_start_and_in_the_last_instant(kind):
     assert (landed.status, landed.time) == (fc.Status.CONTACT, 1.0)
 
 
+def test_a_bare_edge_leaves_a_torus():
+    """UNDECIDED: the foot of a place on an edge was told as if the edge were a triangle.
+
+    The point u of the edge, (2 + u, 2 u, 13/4 + 3 u - 8 t), leaves the tube at its lower side.
+    """
+    edge = SHARP["segment"].translated((2, 0, "13/4")).moving(fc.Translation((0, 0, -8)))
+    (found,) = fc.contact_intervals(edge, RING)
+    u = np.linspace(0, 1, 200001)
+    lower = 1 / 16 - (np.hypot(2 + u, 2 * u) - 2) ** 2
+    last = ((3.25 + 3 * u + np.sqrt(np.maximum(lower, 0))) / 8)[lower >= 0].max()
+    assert found.start == pytest.approx(0.375, abs=1e-12) and found.end == pytest.approx(last, abs=1e-9)
+
+
 def test_a_reflex_corner_is_no_tip():
     """An upright plate with a notch: at the bottom of the notch, (0, 0, 0), its edges go up, the plate goes down."""
     outline = [(0, 0, 0), (0, 1, 1), (0, 1, -1), (0, -1, -1), (0, -1, 1)]
