@@ -35,8 +35,8 @@ def check(cone, torus, motion, counter, truth, room=0.0):
 # -- scenes -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("radius, height", [(1.5, 2), (1, 2), ("1/1000", 2), (0.5, 2)])
-@pytest.mark.share(4)
+@pytest.mark.parametrize("radius, height", [(1.5, 2), (1, 2), ("1/100000", 2), (0.5, 2)])
+@pytest.mark.share(2)
 def test_a_tip_head_on_at_the_top(radius, height):
     """UNDECIDED in both orders for (1.5, 2): next to its tip doubles tell nothing of a cone."""
     cone = fc.cone(radius, height).rotated((1, 0, 0), degrees=180).translated((2, 0, 2 + height))
