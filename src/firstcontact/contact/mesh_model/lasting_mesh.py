@@ -192,12 +192,16 @@ class LastingOfMesh(Lasting["MeshPoint | Pierced"]):
 
 
 def _feet(x: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """(n, 1, 3) weights of the feet of a point on the planes of triangles (n, 3, 3), moved into the triangles."""
+    """(n, 1, 3) weights of the feet of a point on the planes of triangles (n, 3, 3), moved into the triangles; on the
+    lines of those without area."""
     u, v, w = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0], point - x[:, 0]
     uu, uv, vv = (np.einsum("nd,nd->n", *pair) for pair in ((u, u), (u, v), (v, v)))
     uw, vw = np.einsum("nd,nd->n", u, w), np.einsum("nd,nd->n", v, w)
-    det = np.maximum(uu * vv - uv * uv, 1e-300)
-    s, t = (vv * uw - uv * vw) / det, (uu * vw - uv * uw) / det
+    det = uu * vv - uv * uv
+    flat, det = det <= 1e-24 * uu * vv, np.maximum(det, 1e-300)
+    along_u, along_v = uw / np.maximum(uu, 1e-300), vw / np.maximum(vv, 1e-300)
+    s = np.where(flat, np.where(uu >= vv, along_u, 0.0), (vv * uw - uv * vw) / det)
+    t = np.where(flat, np.where(uu >= vv, 0.0, along_v), (uu * vw - uv * uw) / det)
     weights = np.clip(np.column_stack([1.0 - s - t, s, t]), 0.0, None)
     total = weights.sum(axis=1, keepdims=True)
     return np.where(total > 0.0, weights / np.maximum(total, 1e-300), 1.0 / 3.0)[:, None, :]

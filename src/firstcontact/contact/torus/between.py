@@ -108,6 +108,14 @@ class Between:
         )  # fmt: skip
 
 
+def pose_of(table: np.ndarray, t: float) -> np.ndarray:
+    """(4, 4) the pose of a motion at a time, rounded."""
+    scratch = workspace()[0]
+    pose_at(table, t, scratch, HERE_A)
+    rows = scratch[HERE_A]
+    return np.vstack([_rows(rows), [0.0, 0.0, 0.0, 1.0]])
+
+
 def _rows(entries: np.ndarray) -> np.ndarray:
     """(3, 4) of the entries of a pose."""
     return np.column_stack([entries[:9].reshape(3, 3), entries[9:12]])

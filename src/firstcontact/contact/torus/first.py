@@ -11,11 +11,13 @@ from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.ruled_solid.lasting import RuledLasting
 from firstcontact.contact.torus import touching
-from firstcontact.contact.torus.free import MESH, RULED, TorusFree, pose_of
+from firstcontact.contact.torus.between import pose_of
+from firstcontact.contact.torus.free import MESH, RULED, TorusFree
 from firstcontact.contact.torus.lasting import SolidTorus
 from firstcontact.contact.torus.nets import sheets_at_rest
 from firstcontact.contact.ways import Way, answered
 from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import above, below
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.result import ContactIntervals, FirstContact, Status
@@ -56,8 +58,13 @@ class _TorusSearch:
         except Untold as reason:
             raise UnsupportedPair(f"this motion is not followed: {reason}") from reason
         width = query.tolerance * (self.windows[-1].last - self.windows[0].first)
-        self.free, self.lasting = TorusFree(query.bodies, width, work), _lasting(query.bodies, self.windows)
-        self.sweep = Sweep(self.free, self.lasting, self.windows, width, work, lambda: None)
+        self.lasting = _lasting(query.bodies, self.windows)
+        self.free = TorusFree(query.bodies, width, work, (query.first, query.end))
+        self.sweep = Sweep(self.free, self.lasting, self.windows, width, work, self._touched)
+
+    def _touched(self) -> np.ndarray | None:
+        found = self.free.touched_at_start(self.windows[0])
+        return None if found is None else found[0]
 
     def intervals(self) -> ContactIntervals:
         return proved_intervals(self.sweep.run(), self.work, self.query)
@@ -79,6 +86,12 @@ class _TorusSearch:
         t = window.first
         if not self.free.at(window, t):
             point = self.lasting.anywhere(window, t)
+            touched = self.free.touched_at_start(window) if point is None and at_start else None
+            if touched is not None:
+                kind = "touching" if touched[1] else None
+                return self._result(
+                    Status.INITIAL_CONTACT, initial=kind, time=t, time_interval=(t, t), point=touched[0], free_until=t
+                )
             if point is None:
                 return self._result(Status.UNDECIDED, free_until=self.reached, reason="precision")
             shared = {"time": t, "point": self.lasting.in_world(window, t, point), "free_until": t}
@@ -86,16 +99,31 @@ class _TorusSearch:
                 return self._result(Status.CONTACT, time_interval=(t, self.reached), **shared)
             kind = self.free.lies(window, t)
             return self._result(Status.INITIAL_CONTACT, initial=kind, time_interval=(t, t), **shared)
-        touch = self.sweep.touch(window, t, window.last)
-        if touch is None:
-            return None
-        if not touch.sure:
-            return self._result(Status.UNDECIDED, free_until=max(touch.lo, self.reached), reason="precision")
-        assert touch.point is not None
-        time = likely_time((touch.lo, touch.hi))
+        while True:
+            touch = self.sweep.touch(window, t, window.last)
+            if touch is None:
+                return None
+            self.reached = max(touch.lo, self.reached)
+            if touch.sure:
+                assert touch.point is not None
+                return self._contact(window, (touch.lo, touch.hi), touch.point)
+            self.work.step()
+            found = self.free.passage(window, touch.lo)
+            if found is None or found.passage.stretches[0].contact or below(found.passage.until) <= touch.lo:
+                return self._result(Status.UNDECIDED, free_until=self.reached, reason="precision")
+            passage, t = found.passage, below(found.passage.until)
+            event = passage.graze or tuple(x.lo for x in passage.stretches if x.contact)
+            if event:
+                times = below(min(passage.stretches[0].hi, event[0])), above(event[-1])
+                return self._contact(window, times, self.free.touching_at(window, times[1]))
+            if t >= window.last:
+                return None
+
+    def _contact(self, window: Window, event: tuple[float, float], point: np.ndarray) -> FirstContact:
+        time = likely_time(event)
         return self._result(
-            Status.CONTACT, time=time, time_interval=(touch.lo, touch.hi), free_until=touch.lo, multiplicity=1,
-            **self._touching(window, time, touch.point),
+            Status.CONTACT, time=time, time_interval=event, free_until=event[0], multiplicity=1,
+            **self._touching(window, time, point),
         )  # fmt: skip
 
     def _touching(self, window: Window, time: float, place: np.ndarray) -> dict[str, np.ndarray | Element | None]:

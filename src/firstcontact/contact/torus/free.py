@@ -6,23 +6,24 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from flint import fmpq
 
 from firstcontact.body.torus.torus import Torus
 from firstcontact.contact.models.idle_turns import keeps_along
 from firstcontact.contact.torus.apart import MOST_CELLS, kept, lower
-from firstcontact.contact.torus.between import Between, Body
-from firstcontact.contact.torus.cells import Cells, Triangles, Wedges, square
+from firstcontact.contact.torus.between import Between, Body, pose_of
+from firstcontact.contact.torus.cells import Cells, Triangles, Wedges
 from firstcontact.contact.torus.heights import Forms, Heights, Outside, Ring
 from firstcontact.contact.torus.nets import Nets
+from firstcontact.contact.torus.passages import Passages
 from firstcontact.contact.torus.touching import contact_near
 from firstcontact.exact.numbers import exact_value
-from firstcontact.kernels.poses import pose_at
-from firstcontact.kernels.workspace import HERE_A, workspace
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.motion.rotation import Rotation
 from firstcontact.search.trees.containment import contains
 from firstcontact.search.trees.frame import tree_of
+from firstcontact.timeline.sweep import Pass
 from firstcontact.work import Work
 
 if TYPE_CHECKING:
@@ -78,16 +79,20 @@ def is_round_pair(bodies: tuple[kinds.Body, kinds.Body], torus: Torus) -> bool:
 class TorusFree:
     """Time in which the surfaces are apart.  Raises Spent."""
 
-    def __init__(self, bodies: tuple[kinds.Body, kinds.Body], width: float, work: Work) -> None:
+    def __init__(
+        self, bodies: tuple[kinds.Body, kinds.Body], width: float, work: Work, span: tuple[fmpq, fmpq]
+    ) -> None:
         self.roles, self.width, self.work = roles_of(bodies), width, work
         self.shapes = [shape_of(x) for x in bodies]
         self.most = max(MOST_CELLS, len(self.roles.surface.all()))
+        side = next((k for k, shape in enumerate(self.shapes) if shape.kind in (MESH, MODEL)), None)
+        self.passages = None if side is None else Passages(self, bodies, side, span)
 
     def at(self, window: Window, t: float) -> bool:
         every = self.roles.all
         if len(self._left(window, every, (t, t), every.all(), MOST_ROUNDS)):
             return False
-        return self.roles.mesh is None or not self._is_held(window, t)
+        return not self.holds_torus(window, t)
 
     def lies(self, window: Window, t: float) -> str | None:
         """How bodies lie that share inner points; None where that is not proved."""
@@ -119,8 +124,22 @@ class TorusFree:
     def near_start(self, window: Window) -> list[np.ndarray]:
         return []
 
-    def passage(self, window: Window, t: float) -> None:
-        return None
+    def passage(self, window: Window, t: float) -> Pass | None:
+        return None if self.passages is None else self.passages.passage(window, t)
+
+    def touching_at(self, window: Window, t: float) -> np.ndarray:
+        """The point of a passage, in the world."""
+        assert self.passages is not None
+        return self.passages.nearest_place(window, t)
+
+    def touched_at_start(self, window: Window) -> tuple[np.ndarray, bool] | None:
+        """See `Passages`."""
+        return None if self.passages is None else self.passages.touched_at_start(window)
+
+    def meet_over(self, window: Window, stretch: tuple[float, float], heights: Heights) -> bool:
+        """Whether the bodies may meet at some time of the stretch where these heights tell of the one."""
+        every = self.roles.all
+        return len(self._left(window, every, stretch, every.all(), MOST_ROUNDS, heights)) > 0
 
     def tables(self, window: Window) -> tuple[np.ndarray, np.ndarray]:
         """The motion of the body that goes by cells, and of the other one."""
@@ -146,18 +165,12 @@ class TorusFree:
             return seeds
         return [*(contact_near(self.shapes, poses, seed).point for seed in seeds), *seeds]
 
-    def _is_held(self, window: Window, t: float) -> bool:
-        """Whether the polyhedron holds a point of the torus, deep inside it."""
+    def holds_torus(self, window: Window, t: float) -> bool:
+        """Whether a polyhedron holds a point of the torus, deep inside it."""
+        if self.roles.mesh is None:
+            return False
         own, other = (pose_of(table, t) for table in self.tables(window))
         major, _ = self.shapes[1 - self.roles.side].radii
         place = np.linalg.solve(own, other @ self.roles.heights.pose @ [major, 0.0, 0.0, 1.0])
         x, y, z = (exact_value(c) for c in place[:3].tolist())
         return bool(contains(self.roles.mesh, tree_of(self.roles.mesh), (x, y, z)))
-
-
-def pose_of(table: np.ndarray, t: float) -> np.ndarray:
-    """(4, 4) the pose of a motion at a time, rounded."""
-    scratch = workspace()[0]
-    pose_at(table, t, scratch, HERE_A)
-    rows = scratch[HERE_A]
-    return square(np.column_stack([rows[:9].reshape(3, 3), rows[9:12]]))

@@ -12,7 +12,7 @@ import numpy as np
 
 from firstcontact.body.solid.carriers import Quadric
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.body.solid.csg import Leaf, Not, Tree
+from firstcontact.body.solid.csg import And, Leaf, Not, Tree
 from firstcontact.body.torus.torus import Torus
 from firstcontact.contact.torus.cells import square, support
 from firstcontact.exact.numbers import to_double
@@ -38,6 +38,9 @@ class Around(NamedTuple):
 class Heights:
     tree: Tree
     """What is to be avoided: where this is true of the signs of the heights."""
+
+    count = 1
+    """Of heights."""
 
     pose: np.ndarray
     """(4, 4): from the frame in which they are told to the body's."""
@@ -93,7 +96,7 @@ class Forms(Heights):
             lo, hi = model.bounds()
             by = to_origin((0.5 * (lo + hi)).tolist(), float((hi - lo).max()))
             model, self.pose[:3, 3] = model.translated(by), [-to_double(c) for c in by]
-        self.tree, self.forms = model.tree, model.forms
+        self.tree, self.forms, self.count = model.tree, model.forms, len(model.forms)
         self.sizes = np.abs(self.forms)
         turns = np.linalg.eigvalsh(2.0 * self.forms[:, :3, :3])
         slack = 1e-14 * np.abs(turns).max(axis=1)
@@ -140,3 +143,35 @@ class Outside(Heights):
 
     def around(self, c: np.ndarray, reach: np.ndarray) -> Around:
         return self.heights.around(c, reach)
+
+
+class Beyond(Heights):
+    """What heights tell of, but for a ball."""
+
+    def __init__(self, heights: Heights, centre: np.ndarray, radius: float) -> None:
+        self.heights, self.centre, self.radius, self.pose = heights, centre, radius, heights.pose
+        self.tree, self.count = And(heights.tree, Not(Leaf(heights.count))), heights.count + 1
+
+    def around(self, c: np.ndarray, reach: np.ndarray) -> Around:
+        """The distance from the ball bends by one over that from its centre at most, and never the other way."""
+        told, way = self.heights.around(c, reach), c - self.centre
+        away = np.sqrt((way * way).sum(axis=1))
+        error = 16.0 * U * (away + self.radius + np.abs(c).max(axis=1) + float(np.abs(self.centre).max()))
+        clear = away > reach
+        bend = np.where(clear, 1.0 / np.where(clear, away - reach, 1.0), np.inf)
+        gradient = way / np.maximum(away, 1e-300)[:, None]
+        value = away - self.radius
+        least = np.stack([value - reach - error, -value - reach - error])
+        return Around(
+            np.column_stack([told.values, value]), np.column_stack([told.errors, error]),
+            np.concatenate([told.gradients, gradient[:, None]], axis=1),
+            np.concatenate([told.bends, np.stack([np.zeros(len(c)), bend])[:, :, None]], axis=2),
+            np.concatenate([told.least, least[:, :, None]], axis=2),
+        )  # fmt: skip
+
+    def beyond_flat(self, normals: np.ndarray) -> np.ndarray | None:
+        return self.heights.beyond_flat(normals)
+
+    def planes(self) -> np.ndarray | None:
+        planes = self.heights.planes()
+        return None if planes is None else np.vstack([planes, np.zeros((1, 4))])
