@@ -15,12 +15,12 @@ def blocks_of(tmp_path, text, **given):
 
 def test_words_are_those_written_by_hand(tmp_path):
     text = (
-        "PARTNO/A PART $$ a comment\nUNITS/MM\nFROM/0,0,50\nLOADTL/7,LENGTH,100\nRAPID\nGOTO/1,2,50\n"
+        "PARTNO A PART OF 5$\nREMARK/ $$ a comment\nUNITS/MM\nFROM/0,0,50\nLOADTL/7,LENGTH,100\nRAPID\nGOTO/1,2,50\n"
         "goto / 1 , 2 , $\n  -3.5\nGODLTA/0,0,1E1\nRAPID\nGOTO/1,2,60\n"
         "MULTAX/ON\nGOTO/1,2,60,0,0.6,0.8\nGOTO/5,2,60,0,0.6,0.8\nFEDRAT/100,MMPM\nFINI\n"
     )
     blocks = blocks_of(tmp_path, text)
-    assert [x.line for x in blocks] == [6, 7, 9, 11, 13, 14] and {x.tool for x in blocks} == {7}
+    assert [x.line for x in blocks] == [7, 8, 10, 12, 14, 15] and {x.tool for x in blocks} == {7}
     ends = [tuple(map(to_double, x.stretches[0].end)) for x in blocks]
     assert ends == [(1, 2, 50), (1, 2, -3.5), (1, 2, 6.5), (1, 2, 60), (1, 2, 60), (5, 2, 60)]
     assert [x.stretches[0].kind for x in blocks] == ["rapid", "feed", "feed", "back", "feed", "feed"]

@@ -16,10 +16,12 @@ from firstcontact.toolpath.blocks import INCH, Block, Fault, lines_of, number
 from firstcontact.toolpath.moves import UP, StraightMove, Stretch, Swing, is_half_turn
 
 STILL = {
-    "PARTNO", "MACHIN", "LOADTL", "LOAD", "TOOLNO", "TURRET", "SPINDL", "FEDRAT", "COOLNT", "CUTTER", "CUTCOM",
-    "PPRINT", "TPRINT", "REMARK", "INTOL", "OUTTOL", "DELAY", "STOP", "OPSTOP", "END", "FINI", "PREFUN", "AUXFUN",
+    "MACHIN", "LOADTL", "LOAD", "TOOLNO", "TURRET", "SPINDL", "FEDRAT", "COOLNT", "CUTTER", "CUTCOM",
+    "INTOL", "OUTTOL", "DELAY", "STOP", "OPSTOP", "END", "FINI", "PREFUN", "AUXFUN",
     "CLEARP", "SEQNO", "LEADER", "DISPLY", "MODE", "PAINT",
 }  # fmt: skip
+TEXTS = {"PARTNO", "PPRINT", "TPRINT", "REMARK"}
+"""Words that a text follows, after a blank or a stroke; it ends with its line."""
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:E[-+]?\d{1,3})?")
 
 
@@ -31,6 +33,8 @@ def read_cl(path: Path, start: Vector | None = None, unit: str = "mm") -> Iterat
     rapid = five = False
     tool: int | None = None
     for line, statement in _statements(path):
+        if _is_text(statement):
+            continue
         word, _, rest = statement.partition("/")
         word, rest = word.strip().upper(), rest.strip().upper()
         if word in ("GOTO", "GODLTA", "FROM"):
@@ -80,7 +84,7 @@ def _statements(path: Path) -> Iterator[tuple[int, str]]:
     for line, text in lines_of(path):
         plain = text.partition("$$")[0].strip()
         first = first or line
-        if plain.endswith("$"):
+        if plain.endswith("$") and (held or not _is_text(plain)):
             held += plain[:-1].strip()
             continue
         statement, number_of = held + plain, first
@@ -89,6 +93,10 @@ def _statements(path: Path) -> Iterator[tuple[int, str]]:
             yield number_of, statement
     if held:
         yield first, held
+
+
+def _is_text(statement: str) -> bool:
+    return re.split(r"[\s/]", statement, maxsplit=1)[0].upper() in TEXTS
 
 
 def _numbers(path: Path, line: int, word: str, rest: str) -> list[fmpq]:
