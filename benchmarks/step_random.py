@@ -22,7 +22,7 @@ from OCP.TopExp import TopExp_Explorer
 import firstcontact as fc
 from firstcontact.step.cells import NotExact, cells_of
 from firstcontact.step.reader import Shape
-from firstcontact.step.solids import Solid
+from firstcontact.step.solids import StepSolid
 
 POINTS, ROUNDING = 2000, 1e-7
 SIZE = np.array([40.0, 30.0, 12.0])
@@ -86,7 +86,7 @@ def differing(shape: Any, body: Any, points: np.ndarray) -> list[list[float]]:
 
 def why_not_exact(shape: Any) -> str:
     try:
-        cells_of(Solid(shape, Shape(shape, "part")))
+        cells_of(StepSolid(shape, Shape(shape, "part")))
     except NotExact as reason:
         return str(reason)
     return "of planes"

@@ -18,7 +18,7 @@ from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import HERE_A, workspace
 from firstcontact.motion.relative.stretches import windows
 from firstcontact.scene.load import load_scene
-from firstcontact.timeline.sweep import Sweep, reversed_in_time
+from firstcontact.timeline.sweep import TimeSweep, reversed_in_time
 from firstcontact.work import Query, Work
 
 BALL, SMALL = primitives.sphere(1), primitives.sphere("1/2")
@@ -140,7 +140,7 @@ def test_windows_reversed_in_time(motion):
 
 def test_the_number_of_contacts_is_not_limited(monkeypatch):
     """Stretches are counted within one contact: the limit once was for all of them."""
-    monkeypatch.setattr(Sweep, "most_turns", 3)
+    monkeypatch.setattr(TimeSweep, "most_turns", 3)
     post = primitives.cylinder("1/4", 4).translated((2, 0, 0))
     ball = SMALL.translated((-2, 0, 0)).moving(fc.Screw((0, 0, 1), degrees=360 * 5, advance="1/10"))
     found = fc.contact_intervals(ball, post)

@@ -4,7 +4,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.body.solid import primitives
-from firstcontact.contact.models.algorithm import Search
+from firstcontact.contact.models.algorithm import CandidateSearch
 from firstcontact.contact.models.at_rest import _solid
 
 # Both steps pass over the hole of the plate without touching it, in turn; the second ends in contact.
@@ -46,8 +46,8 @@ def test_an_exact_search_can_be_interrupted():
 
 def test_a_search_that_missed_an_event_is_not_called_free(monkeypatch):
     """Without any contact found, models that overlap at the end leave the answer open."""
-    monkeypatch.setattr(Search, "first", lambda self: [])
-    monkeypatch.setattr(Search, "stop", lambda self: None)
+    monkeypatch.setattr(CandidateSearch, "first", lambda self: [])
+    monkeypatch.setattr(CandidateSearch, "stop", lambda self: None)
     blind = fc.first_contact(PIN.moving(DOWN), PLATE, exact=True)
     assert (blind.status, blind.reason, blind.free_until) == (fc.Status.UNDECIDED, "precision", 0.0)
 

@@ -105,7 +105,7 @@ def test_a_search_goes_on_where_its_slice_ended(monkeypatch):
     found = []
     for size in (10**9, 1, 13):
         monkeypatch.setattr(ruled_events, "SLICE", size)
-        search = ruled_events.Search(pieces.p, pieces.q)
+        search = ruled_events.RulingSearch(pieces.p, pieces.q)
         outcome = search.run(0.0, 1.0, ruled_events.ALL_EVENTS, 1e-9, 3000)
         found.append((outcome, search.visits, search.limit.tolist(), search.found[: search.count].tolist()))
     assert found[0] == found[1] == found[2] and found[0][1] > 150

@@ -9,7 +9,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.contact.models import at_rest
-from firstcontact.contact.models.algorithm import Search
+from firstcontact.contact.models.algorithm import CandidateSearch
 
 
 def capped():
@@ -73,8 +73,8 @@ def test_gaps_between_contacts():
 
 def test_what_candidates_leave_open_is_asked_between_them(monkeypatch):
     """As if nothing were told of any candidate: models that were apart are not taken to stay so."""
-    monkeypatch.setattr(Search, "meetings", lambda search, group: [])
-    monkeypatch.setattr(Search, "are_no_contacts", lambda search, group: False)
+    monkeypatch.setattr(CandidateSearch, "meetings", lambda search, group: [])
+    monkeypatch.setattr(CandidateSearch, "are_no_contacts", lambda search, group: False)
     ball = fc.sphere(1).translated((-5, 0, 0)).moving(fc.Translation((10, 0, 0)))
     (only,) = fc.contact_intervals(ball, fc.box((2, 2, 2)), exact=True)
     assert (only.start, only.end) == (0.3, 0.7)

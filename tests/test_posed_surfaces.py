@@ -15,7 +15,7 @@ from firstcontact.exact.numbers import precision
 from firstcontact.motion.relative.curved import terms
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.search.rulings.posed_pieces import PosedPiece, in_local_time, pose_windows
-from firstcontact.search.rulings.ruled_events import Search, first_event_of
+from firstcontact.search.rulings.ruled_events import RulingSearch, first_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.timeline.sweep import Certified
 from firstcontact.work import Query, Work
@@ -247,9 +247,9 @@ def test_what_the_polynomials_leave_out_is_counted(monkeypatch):
     plate = fc.RuledSurface("(u, 0, 0)", "(u, 1, 0)").sides
     far = fc.RuledSurface("(u, 0, 1/16)", "(u, 1, 1/16)").sides
     p, q = (RuledPiece.of(x, (0, 1)) for x in (plate, far))
-    assert first_event_of(Search(p, q), fmpq(0), fmpq(1), 1e-12, 2000).status == "free"
+    assert first_event_of(RulingSearch(p, q), fmpq(0), fmpq(1), 1e-12, 2000).status == "free"
     monkeypatch.setattr(RuledPiece, "off", (0.05, 0.1))
-    assert first_event_of(Search(p, q), fmpq(0), fmpq(1), 1e-12, 2000).status == "open"
+    assert first_event_of(RulingSearch(p, q), fmpq(0), fmpq(1), 1e-12, 2000).status == "open"
 
 
 def curve(rng):

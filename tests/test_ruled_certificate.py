@@ -14,7 +14,7 @@ from firstcontact.exact.systems.isolation import isolated
 from firstcontact.exact.systems.square_systems import Equations
 from firstcontact.search.events.pose_jets import PoseJet
 from firstcontact.search.events.ruled_certificate import EventSystem
-from firstcontact.search.events.ruled_solids import Event
+from firstcontact.search.events.ruled_solids import RuledSolidEvent
 from firstcontact.work import Query
 
 WING = fc.RuledSurface(
@@ -71,7 +71,8 @@ def test_derivatives_of_event_systems(motion, way):
         poses = tuple(PoseJet(pair.bodies[k], window, way) for k in (0, 1))
         for chart, (feature, row) in enumerate(zip(pair.tables.features, pair.tables.info, strict=True)):
             for k in range(row[3], row[4]):
-                event = Event(pair.bodies, 0, pair.tables, chart, k, np.array([chart, k, 0.1, 0, 0.3, 0, 0.2, 0.2]))
+                box = np.array([chart, k, 0.1, 0, 0.3, 0, 0.2, 0.2])
+                event = RuledSolidEvent(pair.bodies, 0, pair.tables, chart, k, box)
                 system = EventSystem(event, poses)
                 kinds.add((feature.kind, type(event.other).__name__))
                 z = [arb(fmpq(j + 2, 7)) for j in range(len(event.free))] + [arb(way * fmpq(3, 8))]

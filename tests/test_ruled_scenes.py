@@ -15,7 +15,7 @@ from firstcontact.result import Element, FirstContact, Status
 from firstcontact.scene.load import load_scene
 from firstcontact.view.drawing import drawings
 from firstcontact.view.html import page_text
-from firstcontact.view.pair import Pair
+from firstcontact.view.pair import PairView
 
 PIPE = '''
 [body.pipe]
@@ -135,7 +135,7 @@ CIRCLE = "((1-u**2)/(1+u**2), 2*u/(1+u**2), {})"
 
 
 def drawn(a, b):
-    return drawings(Pair(a, b, (0.0, 1.0), FirstContact(Status.FREE, a=a, b=b, span=(0.0, 1.0))))
+    return drawings(PairView(a, b, (0.0, 1.0), FirstContact(Status.FREE, a=a, b=b, span=(0.0, 1.0))))
 
 
 def test_a_piece_is_drawn_with_its_borders_and_rulings():
@@ -202,7 +202,7 @@ def test_a_surface_that_deforms_is_drawn_at_many_times():
 def test_a_deforming_surface_shows_what_touches_when_it_touches():
     door = RuledSurface("(0, 0, 0)", "((1-T**2)/(1+T**2), 2*T/(1+T**2), u)", name="door")
     hit = fc.first_contact(door, RuledSurface("(3/5, 4/5, u)", "(2, 2, u)", name="post"))
-    drawing, _ = drawings(Pair(door, hit.b, hit.span, hit))
+    drawing, _ = drawings(PairView(door, hit.b, hit.span, hit))
     assert hit.time == 0.5 and hit.element_a.kind in ("directrix", "end_ruling", "vertex", "face")
     assert drawing.frames[0][np.abs(drawing.frames[0] - 0.5).argmin()] == 0.5
     assert np.allclose(drawing.vertices[:, 1] * 3, drawing.vertices[:, 0] * 4)

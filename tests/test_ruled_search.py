@@ -25,7 +25,7 @@ from firstcontact.kernels.rulings.models import (
     difference_models,
     minor_models,
 )
-from firstcontact.search.rulings.ruled_events import RuledContact, Search, first_event, first_event_of
+from firstcontact.search.rulings.ruled_events import RuledContact, RulingSearch, first_event, first_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.work import WORTH, Query, Work
 from ruled_vectors import Vector, value, vectors
@@ -403,11 +403,11 @@ def test_zeros_are_refined() -> None:
 def test_balls_count_in_a_budget() -> None:
     """What doubles leave open of a graze took a second in balls, however small the budget."""
     p, q, first, last = pieces(MOVING["m03"])
-    whole = Search(p, q)
+    whole = RulingSearch(p, q)
     first_event_of(whole, first, last, 1e-12, 200_000)
     assert whole.looked > 0 and whole.spent == whole.visits
     budget = whole.visits + WORTH * (whole.looked // 2)
-    cut = Search(p, q, budget)
+    cut = RulingSearch(p, q, budget)
     found = first_event_of(cut, first, last, 1e-12, budget)
     assert cut.looked <= max(whole.looked // 2, 1) and cut.spent == cut.visits + WORTH * cut.looked <= 1.2 * budget
     assert found.status == "open" and found.reason == "budget"
@@ -418,7 +418,7 @@ def test_models_near_the_end_of_a_ruling_lack_little() -> None:
     cone = [[[0], [1]], [[0], [0], [4]], [[1]], [[1]]], [[[3]], [[0]], [[5]], [[1]]]
     wall = [[[0], [1]], [[0]], [[0]], [[1]]], [[[0], [1]], [[0]], [[9]], [[1]]]
     p, q = (RuledPiece(*sides, (fmpq(0), fmpq(1))) for sides in (cone, wall))
-    search = Search(p, q)
+    search = RulingSearch(p, q)
     for away in (0.5, 1e-3, 1e-6):
         box = np.array([(-1.0, 0.0), (1.0 - away, 1.0), (0.1, 0.2), (0.1, 0.2), (0.0, 0.0)])
         assert difference_models(search.table_p, 0, search.table_q, 0, box, search.workspace, search.powers)

@@ -15,7 +15,7 @@ from firstcontact.search.sweep.sheets import sheets_of
 from firstcontact.search.sweep.sweep import (
     MARGIN,
     NONE,
-    Cells,
+    GroupCells,
     Order,
     Trees,
     cells_of,
@@ -112,7 +112,7 @@ def test_trees_keep_their_order_and_older_trees_stay(seed):
     height = rng.permutation(f).astype(float)
     corners = np.array([[-1.0, -1.0, 0.0], [1.0, -0.5, 0.0], [0.0, 1.0, 0.0]])[None] + height[:, None, None] * [0, 0, 1]
     facets, x, arcs, planes, tolerances = cells_of(corners, 0.0)
-    cells = Cells(facets, x, arcs)
+    cells = GroupCells(facets, x, arcs)
     order = Order(planes, *order_of(cells, planes, tolerances))
     assert not order.loose.any()
     trees = Trees(*(np.empty(100_000, np.int32) for _ in range(3)), np.zeros(1, np.int64))
@@ -139,7 +139,7 @@ def test_cells_reach_over_their_facets_and_order_knows_crossings():
     rng = np.random.default_rng(1)
     corners = rng.normal(size=(30, 3, 3))
     facets, x, arcs, planes, tolerances = cells_of(corners, 0.0)
-    loose, precedes = order_of(Cells(facets, x, arcs), planes, tolerances)
+    loose, precedes = order_of(GroupCells(facets, x, arcs), planes, tolerances)
     for weights in rng.dirichlet(np.ones(3) / 4, 40):
         for i, p in enumerate(weights @ corners):
             over = [
@@ -203,7 +203,7 @@ def test_sheets_reach_over_their_facets():
 def test_sheets_that_may_precede_do_so_wherever_they_share_a_point(seed):
     rng = np.random.default_rng(seed)
     owners, x, arcs, heights, tolerances, slacks = sheets_of(slats(50, 10 + seed), 2.0**-47)
-    loose, precedes = order_of(Cells(np.arange(len(owners), dtype=np.int32), x, arcs), heights, tolerances)
+    loose, precedes = order_of(GroupCells(np.arange(len(owners), dtype=np.int32), x, arcs), heights, tolerances)
     arcs = arcs.reshape(-1, 2, 4)
     compared = 0
     for _ in range(4000):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import firstcontact as fc
-from firstcontact.body.compound.compound import Compound, Piece
+from firstcontact.body.compound.compound import Compound, CompoundPiece
 from firstcontact.contact import table
 from firstcontact.contact.table import CERTIFIED, CONVEX, EXACT, NOT, PAIRS, VERBS, Kind
 
@@ -34,7 +34,7 @@ BODIES = {
     Kind.MODEL: fc.cylinder(1, 2),
     Kind.RULED: fc.RuledSurface("(u, 0, 0)", "(u, 1, u)"),
     Kind.TORUS: fc.torus(1, F(1, 3)),
-    Kind.PART: Compound([Piece(fc.cylinder(1, 2), Plain()), Piece(fc.box((1, 1, 1)), Plain())]),
+    Kind.PART: Compound([CompoundPiece(fc.cylinder(1, 2), Plain()), CompoundPiece(fc.box((1, 1, 1)), Plain())]),
 }
 ABOVE = (F(1, 5), F(1, 3), 5)
 RATIONAL = fc.Translation((F(1, 7), F(1, 9), -8))

@@ -59,11 +59,12 @@ def test_all_times_of_contact_are_told(scene):
 
 def test_few_questions_are_asked_of_what_slides_in_one_another(monkeypatch):
     """Plates that slide along each other at 90 instants of interest overlap in between: no line is put to a line."""
-    from firstcontact.contact.models.algorithm import Search
+    from firstcontact.contact.models.algorithm import CandidateSearch
 
     asked = []
-    lasting = Search.lasting
-    monkeypatch.setattr(Search, "lasting", lambda self, u, known=(): asked.append(u) or lasting(self, u, known))
+    lasting = CandidateSearch.lasting
+    seen = lambda self, u, known=(): asked.append(u) or lasting(self, u, known)  # noqa: E731
+    monkeypatch.setattr(CandidateSearch, "lasting", seen)
     a, b, expected = SCENES["a plate with two holes across a countersunk one"]
     (told,) = fc.contact_intervals(a, b)
     assert (told.start, told.end) == pytest.approx(expected[0])

@@ -112,7 +112,7 @@ class CheckArguments(Arguments, total=False):
     span: Sequence[float | Fraction] | None
 
 
-class Shared(TypedDict):
+class QuestionFields(TypedDict):
     """What every result says of its question."""
 
     a: Body
@@ -161,7 +161,7 @@ class Query:
         return self.a, self.b
 
     @property
-    def shared(self) -> Shared:
+    def shared(self) -> QuestionFields:
         """What every result says of its question."""
         return {"a": self.a, "b": self.b, "span": self.span}
 

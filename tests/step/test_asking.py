@@ -12,7 +12,7 @@ from OCP.TopAbs import TopAbs_State  # noqa: E402
 import step_shapes as shapes  # noqa: E402
 from firstcontact.step.asking import LINES, Asking  # noqa: E402
 from firstcontact.step.reader import Shape  # noqa: E402
-from firstcontact.step.solids import Solid  # noqa: E402
+from firstcontact.step.solids import StepSolid  # noqa: E402
 
 SHAPES = {
     "sunk hole": lambda: shapes.cut(
@@ -30,7 +30,7 @@ SHAPES = {
 @pytest.mark.parametrize("name", SHAPES)
 def test_lines_tell_what_the_classifier_tells(name, monkeypatch):
     shape = SHAPES[name]()
-    solid, classified = Solid(shape, Shape(shape, name)), classifier(shape)
+    solid, classified = StepSolid(shape, Shape(shape, name)), classifier(shape)
     lo, hi = solid.box
     rng = np.random.default_rng(3)
     near = solid.points[rng.integers(0, len(solid.points), 100)] + rng.normal(0, 0.01 * solid.size, (100, 3))
@@ -46,7 +46,7 @@ def test_lines_tell_what_the_classifier_tells(name, monkeypatch):
 def test_lines_through_vertices_and_edges_do_not_tell(name):
     """Or tell what is so, where OpenCASCADE passes them by."""
     shape = SHAPES[name]()
-    solid, classified = Solid(shape, Shape(shape, name)), classifier(shape)
+    solid, classified = StepSolid(shape, Shape(shape, name)), classifier(shape)
     asking, rng, told = Asking(solid), np.random.default_rng(4), []
     ends = solid.points[rng.integers(0, len(solid.points), 60)]
     for line, end in zip(np.repeat(LINES, 20, axis=0), ends, strict=True):
@@ -69,6 +69,6 @@ def classifier(shape):
 
 def test_points_on_faces_are_told():
     shape = SHAPES["hollow"]()
-    asking = Asking(Solid(shape, Shape(shape, "hollow")))
+    asking = Asking(StepSolid(shape, Shape(shape, "hollow")))
     for point, there in (((1.4, 1.5, 2.6), True), ((1.4, 1.5, 2.7), False), ((3.0, 1.0, 1.0), True), ((3, 3, 3), True)):
         assert (asking.off_faces(point, 1e-6) == 0.0) is there

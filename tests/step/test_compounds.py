@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.body.compound.compound import Compound, Piece
+from firstcontact.body.compound.compound import Compound, CompoundPiece
 
 
 class Walls:
@@ -17,7 +17,7 @@ class Walls:
 
 
 def boxes(*places, name="row", **known):
-    return Compound([Piece(fc.box((1, 1, 1)).translated(p), Walls(), f"box{k}") for k, p in enumerate(places)],
+    return Compound([CompoundPiece(fc.box((1, 1, 1)).translated(p), Walls(), f"box{k}") for k, p in enumerate(places)],
                     name=name, **known)  # fmt: skip
 
 
@@ -100,7 +100,7 @@ def test_pieces_within_others_are_never_free_of_new_contact():
             return kind, index, ""
 
     def meshes(size, *places):
-        return Compound([Piece(fc.examples.box(size).translated(p), Own()) for p in places])
+        return Compound([CompoundPiece(fc.examples.box(size).translated(p), Own()) for p in places])
 
     small, large = meshes((1, 1, 1), (-1, 0, 0), (1, 0, 0)), meshes((8, 8, 8), (0, 0, 0), (0, 0, 20))
     hit = fc.first_new_contact(small.moving(fc.Translation((0, 1, 0))), large)
@@ -113,9 +113,9 @@ def test_what_pictures_have_of_a_body_is_made_once_and_goes_with_it(is_drawn_fir
 
     def shown():
         calls.append(1)
-        return [Piece(fc.examples.box((2, 2, 2)), Walls())]
+        return [CompoundPiece(fc.examples.box((2, 2, 2)), Walls())]
 
-    row = Compound([Piece(fc.box((2, 2, 2)), Walls())], shown=shown)
+    row = Compound([CompoundPiece(fc.box((2, 2, 2)), Walls())], shown=shown)
     if is_drawn_first:
         assert row.shown[0].body.vertices.max() == 1
     moved = row.translated((5, 0, 0)).translated((1, 0, 0))

@@ -17,7 +17,7 @@ import step_shapes as shapes  # noqa: E402
 from firstcontact.search.convex import advance  # noqa: E402
 from firstcontact.step import bodies, cells, rough  # noqa: E402
 from firstcontact.step.reader import Shape  # noqa: E402
-from firstcontact.step.solids import Solid  # noqa: E402
+from firstcontact.step.solids import StepSolid  # noqa: E402
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
 import step_random  # noqa: E402
@@ -279,7 +279,7 @@ def test_faces_that_do_not_enclose_what_they_bound_are_told(monkeypatch):
         return rough.Rough(made.corners[kept], made.face_of[kept], made.deviation)
 
     shape = shapes.cut(shapes.box((10, 10, 5)), shapes.cylinder(3, 9, (5, 5, -2)))
-    found = rough.rough(solid := Solid(shape, Shape(shape, "holed")), 0.01)
+    found = rough.rough(solid := StepSolid(shape, Shape(shape, "holed")), 0.01)
     bodies._check_volume(solid, found.corners, found.deviation)
     monkeypatch.setattr(rough, "_all", without_one)
     found = rough.rough(solid, 0.01)

@@ -9,7 +9,7 @@ import pytest
 from flint import fmpq
 
 import firstcontact as fc
-from firstcontact.body.compound.compound import Compound, Piece
+from firstcontact.body.compound.compound import Compound, CompoundPiece
 from firstcontact.contact.compound.windows import STEPS, side_of, windows
 from firstcontact.work import Query
 
@@ -36,7 +36,7 @@ def body(corners, make):
     pieces = []
     for lo, hi in corners:
         middle = [F(x + y, 2) for x, y in zip(lo, hi, strict=True)]
-        pieces.append(Piece(make([y - x for x, y in zip(lo, hi, strict=True)]).translated(middle), Plain()))
+        pieces.append(CompoundPiece(make([y - x for x, y in zip(lo, hi, strict=True)]).translated(middle), Plain()))
     return Compound(pieces)
 
 

@@ -14,7 +14,7 @@ import firstcontact as fc  # noqa: E402
 import step_shapes as shapes  # noqa: E402
 from firstcontact.step.bounds import _derivative_bounds, _less, _times  # noqa: E402
 from firstcontact.step.reader import Shape  # noqa: E402
-from firstcontact.step.solids import Solid  # noqa: E402
+from firstcontact.step.solids import StepSolid  # noqa: E402
 from firstcontact.step.triangles import triangulated  # noqa: E402
 
 SHAPES = {
@@ -71,7 +71,7 @@ def on_faces(solid, count, rng):
 @pytest.mark.parametrize("share", [0.02, 0.002])
 def test_triangles_and_faces_are_as_near_each_other_as_is_said(name, share):
     rng = np.random.default_rng(5)
-    solid = Solid(SHAPES[name](), Shape(SHAPES[name](), name))
+    solid = StepSolid(SHAPES[name](), Shape(SHAPES[name](), name))
     solid.check()
     wanted = share * solid.size
     net = triangulated(solid, wanted)
@@ -129,7 +129,7 @@ def test_a_face_without_bounds_is_refused_by_name():
 
 def test_spheres_take_few_triangles():
     """Drift along the surface was counted: 294,000 at a ten-thousandth of the size, in 25 s."""
-    solid = Solid(shape := shapes.sphere(2), Shape(shape, "ball"))
+    solid = StepSolid(shape := shapes.sphere(2), Shape(shape, "ball"))
     net = triangulated(solid, 1e-3 * solid.size)
     assert net.deviation <= 1e-3 * solid.size and len(net.triangles) < 10_000
 
@@ -143,7 +143,7 @@ def test_distances_from_round_surfaces_are_within_their_bounds():
     rng = np.random.default_rng(8)
     made = {"cylinder": shapes.cylinder(2, 5), "cone": shapes.cone(2, 0.3, 3), "sphere": shapes.sphere(2)}
     for shape in (*made.values(), shapes.torus(3, 1)):
-        face = Solid(shape, Shape(shape, "part")).faces[0]
+        face = StepSolid(shape, Shape(shape, "part")).faces[0]
         chart = Elementary(BRep_Tool.Surface_s(face))
         middle, size = rng.uniform((0, -1), (6, 1), (60, 1, 2)), 10.0 ** rng.uniform(-2, -0.4, (60, 1, 1))
         uv = middle + size * rng.uniform(-1, 1, (60, 3, 2))

@@ -11,8 +11,8 @@ from flint import fmpq, fmpz_poly
 
 import firstcontact as fc
 from firstcontact.body.solid.carriers import AlgebraicPoint
-from firstcontact.contact.models.algorithm import Search
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.algorithm import CandidateSearch
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.exact.fields.field_towers import TowerElement
 from firstcontact.exact.fields.number_field import NumberField, ball, is_zero, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
@@ -24,11 +24,11 @@ def root(coefficients, lo, hi) -> AlgebraicRoot:
     return found
 
 
-def search(a, b) -> Search:
+def search(a, b) -> CandidateSearch:
     """Over [0, 1]; the motions have one piece."""
     bodies = [getattr(x, "body", x) for x in (a, b)]
     (piece,) = relative_pieces(a, b, fmpq(0), fmpq(1))
-    return Search(Pair(*bodies, piece))
+    return CandidateSearch(MovingPair(*bodies, piece))
 
 
 SQRT2 = NumberField(root([-2, 0, 1], 0, 2))

@@ -10,7 +10,13 @@ from flint import fmpq, fmpz_poly
 from firstcontact.exact.fields.number_field import NumberField, sign
 from firstcontact.exact.fields.roots import real_roots
 from firstcontact.exact.pencils.conic_pencils import ConicMeeting, conic_contacts, line_resultant, point_pairs
-from firstcontact.exact.pencils.pencils import Meeting, characteristic, contact_equation, discriminant, pencil_contacts
+from firstcontact.exact.pencils.pencils import (
+    PencilMeeting,
+    characteristic,
+    contact_equation,
+    discriminant,
+    pencil_contacts,
+)
 from firstcontact.exact.polynomials.polynomial_matrix import (
     adjugate,
     congruent,
@@ -76,10 +82,10 @@ def test_face_against_face():
 
     (t,) = (t for t in pencil_contacts(evaluate(A, fmpq(5, 8)), evaluate(B, fmpq(5, 8))).tangencies if t.side)
     (x,) = t.points
-    assert t.meeting is Meeting.POINT and t.side == -1
+    assert t.meeting is PencilMeeting.POINT and t.side == -1
     assert [y / x[3] for y in x] == [fmpq(-15, 2), 10, 0, 1]
     (t,) = (t for t in pencil_contacts(evaluate(A, fmpq(7, 8)), evaluate(B, fmpq(7, 8))).tangencies if t.side)
-    assert t.meeting is Meeting.PLANES and t.rank == 2 and t.side == 1
+    assert t.meeting is PencilMeeting.PLANES and t.rank == 2 and t.side == 1
     assert pencil_contacts(evaluate(A, fmpq(1, 2)), evaluate(B, fmpq(1, 2))).reason is not None
 
 

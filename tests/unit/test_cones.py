@@ -10,7 +10,7 @@ import pytest
 import firstcontact as fc
 from firstcontact.search.trees.cones import cones_overlap
 from firstcontact.search.trees.elements import EDGE
-from firstcontact.search.trees.shared_points import Resting, shared_points
+from firstcontact.search.trees.shared_points import RestingVertices, shared_points
 
 TURN = [[F(3, 5), F(-4, 5), 0, 0], [F(4, 5), F(3, 5), 0, 0], [0, 0, 1, F(1, 3)], [0, 0, 0, 1]]
 SIDES = [(0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)]
@@ -29,7 +29,7 @@ def test_thin_wedges_across_each_other(height, expected, turned):
     a, b = wedge((8, 0, 0), (0, 1, 0), 8), wedge((0, 8, 0), (1, 0, 0), 8 * height)
     if turned:  # fifths are no doubles
         a, b = (body.transformed(TURN) for body in (a, b))
-    resting = Resting(a, b)
+    resting = RestingVertices(a, b)
     shared = shared_points(resting)
     crossings = [pair for pair in shared if pair[0][0] == pair[1][0] == EDGE]
     at_origin = [pair for pair in crossings if pair[0][1] == 0 and pair[1][1] == 0]

@@ -11,9 +11,9 @@ from flint import arb, fmpq, fmpz_poly
 
 import firstcontact as fc
 from firstcontact.body.solid.carriers import EnclosedPoint, QuarticCurve
-from firstcontact.contact.models.algorithm import Search
+from firstcontact.contact.models.algorithm import CandidateSearch
 from firstcontact.contact.models.at_rest import overlap
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.contact.models.square_subproblems import SquareSubproblem
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import precision
@@ -22,18 +22,18 @@ from firstcontact.exact.systems.square_systems import EnclosedRoot, OpenRoot, Sq
 from firstcontact.motion.relative.polynomial import relative_pieces
 
 
-def search(a, b) -> Search:
+def search(a, b) -> CandidateSearch:
     """Over [0, 1]; the motions have one piece."""
     bodies = [getattr(x, "body", x) for x in (a, b)]
     (piece,) = relative_pieces(a, b, fmpq(0), fmpq(1))
-    return Search(Pair(*bodies, piece))
+    return CandidateSearch(MovingPair(*bodies, piece))
 
 
 def diagonal(*values):
     return [[values[i] if i == j else 0 for j in range(4)] for i in range(4)]
 
 
-def square_roots_of(found: Search) -> list:
+def square_roots_of(found: CandidateSearch) -> list:
     """Of the only pair with a square system."""
     (task,) = [t for t in found.tasks if isinstance(t, SquareSubproblem)]
     return task.roots()
@@ -45,7 +45,7 @@ def crossed(first, second):
     return along_z & fc.quadric(diagonal(1, 0, 1, -(second**2)))
 
 
-def assert_first(found: Search) -> None:
+def assert_first(found: CandidateSearch) -> None:
     """No overlap just before the first contact, overlap just after."""
     u = fmpq(*float(found.first()[0].candidate.root).as_integer_ratio())
     assert not overlap(found.pair, u - fmpq(1, 10**6)) and overlap(found.pair, u + fmpq(1, 500))
@@ -58,7 +58,7 @@ X = ("0.955453852116533384060002", "0.295140536822168083914117", "0.743567121061
 
 
 @pytest.fixture(scope="module")
-def worked() -> Search:
+def worked() -> CandidateSearch:
     edge = fc.quadric(diagonal(1, 1, 0, -1)) & fc.quadric(diagonal(0, 1, 1, Fraction(-16, 25)))
     ball = fc.sphere(Fraction(1, 2)).translated((3, Fraction(1, 2), 2))
     return search(edge, ball.moving(fc.Translation((-2, 0, Fraction(-13, 10)))))

@@ -22,7 +22,7 @@ from firstcontact.exact.pencils.contact_classes import (
 )
 from firstcontact.exact.pencils.pencils import (
     IDENTICALLY_DEGENERATE,
-    Meeting,
+    PencilMeeting,
     characteristic,
     contact_equation,
     discriminant,
@@ -55,18 +55,18 @@ def form(text: str):
 
 # number, the pair, what the local criterion must say of the real contact
 REPRESENTATIVES = [
-    (6, "-x2-z2+2yw", "-3x2+y2-z2", Meeting.POINT),
-    (7, "x2+z2+2yw", "3x2+y2+z2", Meeting.POINT),
-    (15, "x2+y2+z2-w2", "x2+2y2", Meeting.TWO_POINTS),
-    (19, "y2+z2-w2", "x2", Meeting.CONIC),
-    (22, "y2-z2+2zw", "x2+z2", Meeting.POINT),
-    (24, "2xy-y2", "y2-z2-w2", Meeting.POINT),
-    (25, "2xy-y2", "y2+z2+w2", Meeting.POINT),
-    (30, "x2+y2", "z2-w2", Meeting.TWO_POINTS),
-    (32, "x2-y2+2zw", "z2", Meeting.LINE_PAIR),
-    (33, "x2+y2+2zw", "z2", Meeting.POINT),
-    (34, "xy+zw", "y2+w2", Meeting.LINE),
-    (35, "xy-zw", "y2-w2", Meeting.LINE),
+    (6, "-x2-z2+2yw", "-3x2+y2-z2", PencilMeeting.POINT),
+    (7, "x2+z2+2yw", "3x2+y2+z2", PencilMeeting.POINT),
+    (15, "x2+y2+z2-w2", "x2+2y2", PencilMeeting.TWO_POINTS),
+    (19, "y2+z2-w2", "x2", PencilMeeting.CONIC),
+    (22, "y2-z2+2zw", "x2+z2", PencilMeeting.POINT),
+    (24, "2xy-y2", "y2-z2-w2", PencilMeeting.POINT),
+    (25, "2xy-y2", "y2+z2+w2", PencilMeeting.POINT),
+    (30, "x2+y2", "z2-w2", PencilMeeting.TWO_POINTS),
+    (32, "x2-y2+2zw", "z2", PencilMeeting.LINE_PAIR),
+    (33, "x2+y2+2zw", "z2", PencilMeeting.POINT),
+    (34, "xy+zw", "y2+w2", PencilMeeting.LINE),
+    (35, "xy-zw", "y2-w2", PencilMeeting.LINE),
 ]
 
 
@@ -92,9 +92,9 @@ def assert_contacts(a, b, meeting, found):
         points = [*t.points, *(p for line in t.lines for p in line)]
         for x in points:
             assert all(is_zero(y) for y in times(g, x))
-            if t.meeting is not Meeting.PLANES:  # shared points: on both surfaces
+            if t.meeting is not PencilMeeting.PLANES:  # shared points: on both surfaces
                 assert is_zero(value(a, x)) and is_zero(value(b, x))
-        if t.meeting is Meeting.LINE or t.meeting is Meeting.LINE_PAIR:
+        if t.meeting is PencilMeeting.LINE or t.meeting is PencilMeeting.LINE_PAIR:
             for p, q in t.lines:
                 assert all(is_zero(value(m, [x + y for x, y in zip(p, q, strict=True)])) for m in (a, b))
 
@@ -159,11 +159,11 @@ def canonical_pair(*blocks):
 
 NEIGHBOURS = [
     # crossing tangency: (2,((1,2)),2,...)
-    ("[211]", canonical_pair((2, 1, 0), (1, 1, 1), (1, -1, 2)), Meeting.CROSSING),
-    ("[(11)11]", canonical_pair((1, 1, 0), (1, -1, 0), (1, 1, 1), (1, -1, 2)), Meeting.PLANES),
-    ("[31]", canonical_pair((3, 1, 0), (1, 1, 1)), Meeting.CUSP),
-    ("[4]", canonical_pair((4, 1, 0)), Meeting.CUSP),
-    ("[(21)1]", canonical_pair((2, 1, 0), (1, 1, 0), (1, -1, 2)), Meeting.PLANES),
+    ("[211]", canonical_pair((2, 1, 0), (1, 1, 1), (1, -1, 2)), PencilMeeting.CROSSING),
+    ("[(11)11]", canonical_pair((1, 1, 0), (1, -1, 0), (1, 1, 1), (1, -1, 2)), PencilMeeting.PLANES),
+    ("[31]", canonical_pair((3, 1, 0), (1, 1, 1)), PencilMeeting.CUSP),
+    ("[4]", canonical_pair((4, 1, 0)), PencilMeeting.CUSP),
+    ("[(21)1]", canonical_pair((2, 1, 0), (1, 1, 0), (1, -1, 2)), PencilMeeting.PLANES),
 ]
 
 
@@ -189,7 +189,7 @@ def test_enumeration_of_canonical_pencils_finds_exactly_the_classes():
     for shape in shapes:
         for signs in range(2 ** len(shape)):
             a, b = canonical_pair(*((m, 1 if signs >> k & 1 else -1, at) for k, (m, at) in enumerate(shape)))
-            if all(x.meeting in (Meeting.IMAGINARY,) for x in pencil_contacts(a, b).tangencies):
+            if all(x.meeting in (PencilMeeting.IMAGINARY,) for x in pencil_contacts(a, b).tangencies):
                 assert contact_class(a, b) is None
                 continue
             found = contact_class(a, b)
@@ -215,7 +215,7 @@ def test_example_5_sphere_in_a_cylinder():
     f = characteristic(a, b)
     assert fmpq_poly(f) == -fmpq_poly([0, 1]) * fmpq_poly([-1, 1]) ** 3
     (contact,) = pencil_contacts(a, b).contacts
-    assert contact.meeting is Meeting.CONIC and contact.rank == 1 and contact.side == 1
+    assert contact.meeting is PencilMeeting.CONIC and contact.rank == 1 and contact.side == 1
     assert all(point[2] == 0 for point in contact.plane) and contact.alpha == contact.beta
     found = contact_class(a, b)
     assert found is not None and found.number == 19
@@ -245,7 +245,7 @@ def test_spheres_have_a_permanent_double_root():
     assert not pencil_contacts(evaluate(a, fmpq(4)), evaluate(b, fmpq(4))).contacts
     for u, side in ((1, -1), (3, 1)):
         (contact,) = pencil_contacts(evaluate(a, fmpq(u)), evaluate(b, fmpq(u))).contacts
-        assert contact.meeting is Meeting.POINT and contact.side == side
+        assert contact.meeting is PencilMeeting.POINT and contact.side == side
         (x,) = contact.points
         assert x[0] / x[3] == -2 and x[1] == x[2] == 0
 
@@ -261,7 +261,7 @@ def test_contact_at_an_algebraic_time():
         c, d = field.matrix(a), field.matrix(b)
         found = pencil_contacts(c, d)
         for t in found.contacts:
-            assert root.rational is None and t.meeting is Meeting.POINT and contact_class(c, d).number in (6, 7)
+            assert root.rational is None and t.meeting is PencilMeeting.POINT and contact_class(c, d).number in (6, 7)
             assert is_zero(value(c, t.points[0])) and is_zero(value(d, t.points[0]))
             touching += t.side == -1
     assert touching == 2  # the first and the last contact from outside
@@ -272,9 +272,9 @@ def test_apex_on_a_surface_and_shared_apex():
     # the apex touches the plane-like bottom of a sphere from outside: cone and ball share the origin only
     sphere = form("x2+y2+z2-2xw")
     (t,) = pencil_contacts(cone, sphere).tangencies
-    assert t.side == 0 and t.meeting is Meeting.CROSSING and t.points[0][:3] == (0, 0, 0)
+    assert t.side == 0 and t.meeting is PencilMeeting.CROSSING and t.points[0][:3] == (0, 0, 0)
     (t,) = pencil_contacts(cone, form("x2+y2+z2-2zw")).contacts
-    assert t.side == 0 and t.meeting is Meeting.POINT
+    assert t.side == 0 and t.meeting is PencilMeeting.POINT
     assert pencil_contacts(cone, form("x2+2y2-3z2")).reason == IDENTICALLY_DEGENERATE
     assert contact_class(cone, form("x2+2y2-3z2")) is None
     assert contact_equation([fmpz_poly([0])] * 5).reason == IDENTICALLY_DEGENERATE
@@ -283,14 +283,14 @@ def test_apex_on_a_surface_and_shared_apex():
 def test_the_same_surface():
     a = form("x2+y2+z2-w2")
     (t,) = pencil_contacts(a, member(a, a, -2, 1)).contacts
-    assert t.meeting is Meeting.SURFACE and t.side == -1
+    assert t.meeting is PencilMeeting.SURFACE and t.side == -1
 
 
 def test_contact_points_in_a_quadratic_extension():
     """x^2 + y^2 + 2 z^2 = 5 w^2 against 2 x^2 + 3 y^2: two contacts at z = +-sqrt(5/2)."""
     a, b = form("x2+y2+2z2-5w2"), form("2x2+3y2")
     (t,) = pencil_contacts(a, b).contacts
-    assert t.meeting is Meeting.TWO_POINTS
+    assert t.meeting is PencilMeeting.TWO_POINTS
     for x in t.points:
         assert is_zero(x[0]) and is_zero(x[1]) and is_zero(2 * x[2] * x[2] - 5 * x[3] * x[3])
 
@@ -337,7 +337,7 @@ def test_rational_time_gives_the_same_as_its_field():
     field = NumberField(AlgebraicRoot.of(fmpq(1)))
     over_field = pencil_contacts(field.matrix(a), field.matrix(b)).contacts
     rational = pencil_contacts(evaluate(a, fmpq(1)), evaluate(b, fmpq(1))).contacts
-    assert [t.meeting for t in over_field] == [t.meeting for t in rational] == [Meeting.POINT]
+    assert [t.meeting for t in over_field] == [t.meeting for t in rational] == [PencilMeeting.POINT]
     assert all(is_zero(x - y) for x, y in zip(over_field[0].points[0], rational[0].points[0], strict=True))
 
 
@@ -370,5 +370,5 @@ def test_two_rotating_ellipsoids():
         c, d = field.matrix(a), field.matrix(b)
         (t,) = pencil_contacts(c, d, [field(x) for x in f]).tangencies
         (x,) = t.points
-        assert t.meeting is Meeting.POINT and t.side == -1
+        assert t.meeting is PencilMeeting.POINT and t.side == -1
         assert is_zero(value(c, x)) and is_zero(value(d, x))

@@ -11,8 +11,8 @@ from flint import arb, fmpq, fmpz_poly
 import firstcontact as fc
 from firstcontact.body.solid.csg import Leaf
 from firstcontact.contact.models.common_box import box_of, common_box
-from firstcontact.contact.models.moving_pair import Pair
-from firstcontact.contact.models.system_search import Solid, zeros_within
+from firstcontact.contact.models.moving_pair import MovingPair
+from firstcontact.contact.models.system_search import SearchedSolid, zeros_within
 from firstcontact.exact.numbers import exact_value, precision
 from firstcontact.exact.systems.square_systems import EnclosedRoot, SquareSystem
 from firstcontact.motion.relative.polynomial import relative_pieces
@@ -20,7 +20,7 @@ from firstcontact.motion.relative.polynomial import relative_pieces
 
 def pair_of(a, b, first, last):
     (piece,) = relative_pieces(a, b, first, last)
-    return Pair(*(getattr(x, "body", x) for x in (a, b)), piece)
+    return MovingPair(*(getattr(x, "body", x) for x in (a, b)), piece)
 
 
 def form(rows):
@@ -44,7 +44,7 @@ def test_a_zero_is_isolated_however_short_the_motion_is(short):
     x = [*P, fmpq(1)]
     for some in SYSTEM.forms:
         assert sum(some[i][j](U) * x[i] * x[j] for i in range(4) for j in range(4)) == 0
-    anywhere = [Solid(Leaf(0), [SYSTEM.forms[0]], frozenset({0}))]
+    anywhere = [SearchedSolid(Leaf(0), [SYSTEM.forms[0]], frozenset({0}))]
     cube = (fmpq(-2),) * 3, (fmpq(2),) * 3
     found = zeros_within(SYSTEM, anywhere, cube, (U - short * fmpq(3, 11), U + short * fmpq(1, 2)), 1)
     near = [z for z in found.zeros if abs(float(EnclosedRoot(z)) - float(U)) < 1e-12]

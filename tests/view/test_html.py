@@ -14,7 +14,7 @@ from firstcontact.errors import InputError
 from firstcontact.motion.translation import Translation
 from firstcontact.result import FirstContact, Status
 from firstcontact.view import html
-from firstcontact.view.assembly import Assembly
+from firstcontact.view.assembly import SceneView
 from view import scenes
 
 VOID = {"meta", "link", "input"}
@@ -218,7 +218,7 @@ def test_an_assembly_of_300_bodies_stays_below_10_mb():
     a, b = scenes.falling_spike()
     late = fc.first_contact(a.body.translated((0, 0, 1)).moving(a.motion), b)
     free = [fc.FirstContact(fc.Status.FREE, a=large, b=x, span=(0.0, 1.0), free_until=1.0) for x in copies]
-    whole = Assembly({x.name: x for x in (large, b, *copies)}, "mm")
+    whole = SceneView({x.name: x for x in (large, b, *copies)}, "mm")
     text = html.page_text([*free, late, fc.first_contact(a, b)], whole)
     data = page_data(text)
     assert len(text) < 10_000_000 and data["unit"] == "mm" and len(data["assembly"]["bodies"]) == 302

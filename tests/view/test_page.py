@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.view.assembly import Assembly
+from firstcontact.view.assembly import SceneView
 from firstcontact.view.html import write_page
 from mechanism import oracle
 from view import scenes
@@ -466,7 +466,7 @@ def assembly(tmp_path_factory):
     results = [fc.first_contact(sled, post) for post in posts]
     bodies = {body.name: body for body in (sled, *posts)}
     path = tmp_path_factory.mktemp("assembly") / "all.html"
-    return write_page(path, reversed(results), Assembly(bodies, "mm")).as_uri()
+    return write_page(path, reversed(results), SceneView(bodies, "mm")).as_uri()
 
 
 def test_an_assembly_steps_through_its_contacts(opened, assembly):
@@ -535,7 +535,7 @@ def jointed(tmp_path_factory):
     course = scenes.jointed()
     bodies = {body.name: body for own in course.bodies.values() for body in own}
     path = tmp_path_factory.mktemp("jointed") / "arm.html"
-    return write_page(path, course.first_contacts(), Assembly(bodies, "mm")).as_uri()
+    return write_page(path, course.first_contacts(), SceneView(bodies, "mm")).as_uri()
 
 
 def claw_by_hand(shoulder, elbow, grip):

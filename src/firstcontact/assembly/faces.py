@@ -166,23 +166,23 @@ class Mesh:
             return False
         return set(on) <= vertices if len(on) == 1 else _edge(*on) in edges
 
-    def part(self, triangles: Iterable[int]) -> Part:
+    def part(self, triangles: Iterable[int]) -> MeshPart:
         """These triangles as a surface that moves as the body does."""
         chosen = np.array(sorted(triangles))
         vertices, faces = np.unique(self.triangles[chosen], return_inverse=True)
         return self._part(vertices, faces.reshape(-1, 3), [], chosen)
 
-    def points(self, vertices: Sequence[int]) -> Part:
+    def points(self, vertices: Sequence[int]) -> MeshPart:
         return self._part(np.array(vertices), [], None, np.empty(0, int))
 
-    def rods(self, edges: Sequence[tuple[int, int]]) -> Part:
+    def rods(self, edges: Sequence[tuple[int, int]]) -> MeshPart:
         vertices, ends = np.unique(np.array(edges), return_inverse=True)
         return self._part(vertices, [], ends.reshape(-1, 2), np.empty(0, int))
 
     def _part(
         self, vertices: np.ndarray, faces: Sequence[Sequence[int]] | np.ndarray,
         edges: Sequence[Sequence[int]] | np.ndarray | None, triangles: np.ndarray,
-    ) -> Part:  # fmt: skip
+    ) -> MeshPart:  # fmt: skip
         shape = self.shape
         if shape.error == 0.0:
             places: Any = shape.vertices[vertices]
@@ -190,11 +190,11 @@ class Mesh:
             places = [[fraction(x) for x in shape.exact_vertex(v)] for v in vertices.tolist()]
         body: Any = Polyhedron(places, faces, edges=edges if len(faces) == 0 else None, solid=False, name=shape.name)
         moving = Moving(body, self.body.motion) if isinstance(self.body, Moving) else body
-        return Part(self, moving, vertices, triangles)
+        return MeshPart(self, moving, vertices, triangles)
 
 
 @dataclass(frozen=True)
-class Part:
+class MeshPart:
     """Some elements of a mesh as a body; vertices, triangles: their numbers in the mesh."""
 
     mesh: Mesh
@@ -291,7 +291,7 @@ def _apart_at_start(
             yield renamed(asking.first_contact(part.body, other.body), part.element, other.element)
 
 
-def _after_start(x: Part, y: Part, asking: NewContactQuery) -> list[FirstContact]:
+def _after_start(x: MeshPart, y: MeshPart, asking: NewContactQuery) -> list[FirstContact]:
     """New contacts of two triangles that may touch at the start.  Raises Lasts."""
     try:
         return [renamed(after_start(x.body, y.body, asking), x.element, y.element)]
@@ -310,7 +310,7 @@ def _axis(a: Body, b: Body) -> Rotation | None:
     return motions[0] if len(motions) == 1 and isinstance(motions[0], Rotation) else None
 
 
-def _cut_along(part: Part, axis: Rotation) -> list[Part]:
+def _cut_along(part: MeshPart, axis: Rotation) -> list[MeshPart]:
     """The triangle, in pieces that meet the axis at corners alone.  Raises Lasts where it does not meet it."""
     mesh, (triangle,) = part.mesh, part.triangles.tolist()
     plane, corners = mesh.plane(triangle), [mesh.point(v) for v in mesh.corners(triangle)]
@@ -375,7 +375,7 @@ def _clipped(corners: Sequence[Vector], beside: Sequence[fmpq], side: int) -> li
     return kept
 
 
-def _beside_axis(x: Part, y: Part, axis: Rotation) -> Iterator[tuple[Part, Part]]:
+def _beside_axis(x: MeshPart, y: MeshPart, axis: Rotation) -> Iterator[tuple[MeshPart, MeshPart]]:
     """Parts of two triangles that meet where these begin to meet beside the axis.
 
     Two edges from one point of the axis meet beside it no sooner than the end of one of them meets the other one.

@@ -30,7 +30,7 @@ MOST_PARTS = 200
 
 
 @dataclass(frozen=True)
-class Part:
+class StartPart:
     """An intersection, or a mesh, which moves as its body does; sides: its surfaces at the start, negative inside.
 
     stands: its shape there.
@@ -82,14 +82,14 @@ def by_parts(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
     return earliest(found, asking)
 
 
-def _seams(x: Part, y: Part, by: Sequence[Rows]) -> Iterator[Surface]:
+def _seams(x: StartPart, y: StartPart, by: Sequence[Rows]) -> Iterator[Surface]:
     """Surfaces of theirs that the motion keeps, with x on the negative side and y on the other one."""
     for side in dict.fromkeys([*x.sides, *(side.negated() for side in y.sides)]):
         if is_kept(side, by) and _separates(side, x, y):
             yield side
 
 
-def _separates(side: Surface, x: Part, y: Part) -> bool:
+def _separates(side: Surface, x: StartPart, y: StartPart) -> bool:
     """Whether x lies where the surface's form is not positive, and y where it is not negative."""
     return (side in x.sides or _is_beyond(x.stands, side.negated())) and (
         side.negated() in y.sides or _is_beyond(y.stands, side)
@@ -108,11 +108,11 @@ def _is_beyond(shape: Polyhedron | CompositeQuadric, side: Surface) -> bool:
     return False
 
 
-def _parts(body: Any, stands: Any) -> list[Part] | None:
+def _parts(body: Any, stands: Any) -> list[StartPart] | None:
     """None of other bodies, and where there are too many; stands: its shape at the start."""
     model: Any = shape_of(body)
     if isinstance(model, Polyhedron):
-        return [Part(body, stands, frozenset())]
+        return [StartPart(body, stands, frozenset())]
     if not isinstance(model, CompositeQuadric):
         return None
     known: list[tuple[list[Tree], Any]] = [([], None)]
@@ -128,7 +128,7 @@ def _parts(body: Any, stands: Any) -> list[Part] | None:
             return None
         known = grown
     return [
-        Part(
+        StartPart(
             Moving(part, body.motion) if isinstance(body, Moving) else part,
             part if stands is model else _intersection(stands, literals),
             frozenset(_sides(stands, literals)), model,

@@ -13,7 +13,7 @@ import numpy as np
 from firstcontact.assembly.new_contact import Name, NewContactQuery, Way, earliest, renamed
 from firstcontact.body.compound.compound import Compound
 from firstcontact.body.kinds import Body
-from firstcontact.contact.compound.windows import Side, overlapping, side_of
+from firstcontact.contact.compound.windows import CompoundSide, overlapping, side_of
 from firstcontact.motion.moving import shape_of
 from firstcontact.result import Element, FirstContact, Status
 
@@ -43,7 +43,7 @@ def by_pieces(a: Body, b: Body, asking: NewContactQuery, at_once: Way) -> FirstC
     return earliest(found, asking)
 
 
-def _called(side: Side, k: int, which: str) -> Name:
+def _called(side: CompoundSide, k: int, which: str) -> Name:
     piece, name = side.pieces[k], side.name or which
 
     def called(element: Element) -> Element:

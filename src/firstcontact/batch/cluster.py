@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from distributed import CancelledError, Client, KilledWorker
 from distributed.comm import CommClosedError
 
-from firstcontact.batch.part import Asking
+from firstcontact.batch.part import VerbCall
 from firstcontact.batch.questions import Questions
 from firstcontact.batch.workers import PART, RETRIES, Elsewhere, timed_answers
 from firstcontact.errors import InputError
@@ -45,7 +45,7 @@ class Cluster(Elsewhere):
             raise InputError(f"{self.client.scheduler.address}: a cluster without workers for {PATIENCE} s") from error
         (self.there,) = self.client.scatter([self.bodies], broadcast=True, hash=False)
 
-    def _ask(self, questions: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
+    def _ask(self, questions: Questions, asking: VerbCall) -> Future[tuple[Rows, float]]:
         """Not by `client.get_executor`, whose futures never end where a part is lost with the bodies."""
         part = self.client.submit(timed_answers, self.there, questions, asking, pure=False, retries=RETRIES)
         told: Future[tuple[Rows, float]] = Future()

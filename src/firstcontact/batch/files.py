@@ -20,7 +20,7 @@ from firstcontact.batch.answer_files import writer
 from firstcontact.batch.arrow import pyarrow
 from firstcontact.batch.culling import is_worth_boxes
 from firstcontact.batch.kept_parts import KeptParts
-from firstcontact.batch.part import Asking
+from firstcontact.batch.part import VerbCall
 from firstcontact.batch.query_files import QueryFile
 from firstcontact.batch.query_rows import Bodies, QueryRows, carried, check_columns
 from firstcontact.batch.workers import Reached, Spare, answered, next_size
@@ -107,7 +107,7 @@ def answer_file(
         if missing:
             others = executor(known.shapes) if executor is not None else None
             with Spare() as spare:
-                asking = Asking("first_contact", arguments)
+                asking = VerbCall("first_contact", arguments)
                 boxes = is_worth_boxes(len(bodies), total)  # of all parts alike: answers do not tell where these end
                 ask = partial(answered, asking=asking, workers=workers, executor=others, spare=spare, boxes=boxes)
                 if progress is not None:

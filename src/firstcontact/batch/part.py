@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Asking:
+class VerbCall:
     """The verb, "first_contact" or "contact_intervals", and its arguments beside the bodies and the span."""
 
     verb: str
@@ -52,7 +52,7 @@ def is_plain(arguments: Arguments) -> bool:
     return chosen == {"auto"} and not arguments.get("exact") and arguments.get("budget") is None
 
 
-def answers(questions: Questions, asking: Asking) -> Rows:
+def answers(questions: Questions, asking: VerbCall) -> Rows:
     """All answers."""
     rows = asking.rows(len(questions))
     left = np.ones(len(questions), bool)
@@ -65,7 +65,7 @@ def answers(questions: Questions, asking: Asking) -> Rows:
     return rows
 
 
-def answer(questions: Questions, asking: Asking, row: int, rows: Rows) -> None:
+def answer(questions: Questions, asking: VerbCall, row: int, rows: Rows) -> None:
     """The answer to one question, or the error that it raises, into its row."""
     try:
         rows.fill(row, asking.one(questions, row))

@@ -14,7 +14,7 @@ from multiprocessing import parent_process
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import TYPE_CHECKING, Any
 
-from firstcontact.batch.part import Asking
+from firstcontact.batch.part import VerbCall
 from firstcontact.batch.questions import Questions
 from firstcontact.batch.workers import Elsewhere, cores, timed_answers
 from firstcontact.result_table import Rows
@@ -38,7 +38,7 @@ def kept_bodies(batch: str) -> tuple[Body, ...]:
     return _kept[batch]
 
 
-def kept_answers(batch: str, bodies: bytes, questions: Questions, asking: Asking) -> tuple[Rows, float]:
+def kept_answers(batch: str, bodies: bytes, questions: Questions, asking: VerbCall) -> tuple[Rows, float]:
     """`timed_answers` of bodies that are kept; bodies: pickled, "" where they are there."""
     if bodies:
         keep(batch, bodies)
@@ -60,7 +60,7 @@ class Processes(Elsewhere):
             self.workers, mp_context=self.spawning, initializer=_begin, initargs=(self.batch, self.bodies)
         )
 
-    def _ask(self, questions: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
+    def _ask(self, questions: Questions, asking: VerbCall) -> Future[tuple[Rows, float]]:
         return self.pool.submit(kept_answers, self.batch, b"", questions, asking)
 
     def _renew(self) -> None:

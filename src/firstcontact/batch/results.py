@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from firstcontact.body.kinds import Body
     from firstcontact.contact.ways import Answer
-    from firstcontact.work import Arguments, CheckArguments, Shared
+    from firstcontact.work import Arguments, CheckArguments, QuestionFields
 
 _NO_WORK = Stats()
 """One for all: to make one takes as long as to make the answer."""
@@ -50,7 +50,7 @@ def told_by_boxes(questions: Sequence[Question]) -> dict[int, Answer]:
     found: dict[int, Answer] = {}
     for k in (able[row] for row in culling.free_by_boxes(pairs).tolist()):
         _, last = culling.SPAN
-        shared: Shared = {"a": questions[k].a, "b": questions[k].b, "span": culling.SPAN}
+        shared: QuestionFields = {"a": questions[k].a, "b": questions[k].b, "span": culling.SPAN}
         if questions[k].verb != "contact_intervals":
             found[k] = FirstContact(Status.FREE, free_until=last, stats=_NO_WORK, **shared)
         else:

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from firstcontact.batch.part import Asking
+from firstcontact.batch.part import VerbCall
 from firstcontact.batch.questions import Questions
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.each import Place, is_taken
@@ -26,7 +26,7 @@ _STATUS = np.zeros(4, np.uint8)
 _STATUS[[FREE, MET, TIMED]] = [STATUSES.index(status) for status in ("FREE", "CONTACT", "CONTACT")]
 
 
-def walk_together(questions: Questions, asking: Asking, rows: Rows) -> np.ndarray:
+def walk_together(questions: Questions, asking: VerbCall, rows: Rows) -> np.ndarray:
     """Answers what is about pairs of polyhedra under translations or rotations, in compiled walks.
 
     Tells of each row whether it did.

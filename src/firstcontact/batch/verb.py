@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from firstcontact.batch import workers as work
-from firstcontact.batch.part import Asking
+from firstcontact.batch.part import VerbCall
 from firstcontact.batch.questions import Questions, asked
 from firstcontact.errors import InputError, shown
 from firstcontact.query import check_arguments
@@ -59,7 +59,7 @@ def first_contacts(
     arguments: FirstArguments = {
         "exact": exact, "method": method, "engine": engine, "tolerance": tolerance, "budget": budget,
     }  # fmt: skip
-    asking, questions = Asking("first_contact", arguments), asked(queries)
+    asking, questions = VerbCall("first_contact", arguments), asked(queries)
     rows = _rows(questions, asking, workers, executor, progress)
     return ContactTable(rows, lambda row: asking.one(questions, row))
 
@@ -88,14 +88,14 @@ def many_contact_intervals(
     """
     check_arguments(method, "auto", tolerance, budget)
     arguments: FirstArguments = {"exact": exact, "method": method, "tolerance": tolerance, "budget": budget}
-    asking, questions = Asking("contact_intervals", arguments), asked(queries)
+    asking, questions = VerbCall("contact_intervals", arguments), asked(queries)
     rows = _rows(questions, asking, workers, executor, progress)
     assert isinstance(rows, IntervalRows)
     return ContactIntervalTable(rows, lambda row: asking.one(questions, row))
 
 
 def _rows(
-    questions: Questions, asking: Asking, workers: int | None, executor: Executing | None, progress: Reached
+    questions: Questions, asking: VerbCall, workers: int | None, executor: Executing | None, progress: Reached
 ) -> Rows:
     """The answers, after a look at who is to give them."""
     if workers is not None and (not isinstance(workers, int) or not 1 <= workers <= work.MOST):

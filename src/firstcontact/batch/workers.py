@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from firstcontact.batch.culling import free_by_boxes
-from firstcontact.batch.part import Asking, answer, answers, is_plain
+from firstcontact.batch.part import VerbCall, answer, answers, is_plain
 from firstcontact.batch.questions import Questions
 from firstcontact.body.kept import KeptOfTwo
 from firstcontact.motion.moving import shape_of
@@ -132,7 +132,7 @@ def _same(bodies: tuple[Body, ...], others: tuple[Body, ...]) -> bool:
 
 def answered(
     questions: Questions,
-    asking: Asking,
+    asking: VerbCall,
     workers: int | None,
     executor: Executing | None,
     progress: Reached,
@@ -158,7 +158,7 @@ def answered(
 
 
 def _one_by_one(
-    n: int, questions: Questions, asking: Asking, left: np.ndarray, rows: Rows, count: Count, spare: Spare
+    n: int, questions: Questions, asking: VerbCall, left: np.ndarray, rows: Rows, count: Count, spare: Spare
 ) -> None:
     """Answers the rows that are left, by processes as soon as that is worth while."""
     begin, done = time.thread_time(), 0  # work, whatever else the machine does
@@ -172,7 +172,7 @@ def _one_by_one(
         done += 1
 
 
-def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count: Count) -> np.ndarray:
+def _by_threads(n: int, questions: Questions, asking: VerbCall, rows: Rows, count: Count) -> np.ndarray:
     """Answers by compiled walks; tells of each row whether they did.
 
     Each thread clears its rows first, which is when the system finds memory for them.
@@ -244,7 +244,7 @@ class Elsewhere:
     seconds: what a part should take.
     """
 
-    submit: Callable[[Questions, Asking], Future[tuple[Rows, float]]]
+    submit: Callable[[Questions, VerbCall], Future[tuple[Rows, float]]]
     workers: int
     renew: Callable[[], None] | None = None
     seconds: float = PART
@@ -257,7 +257,7 @@ class _Spread:
     alone, in halves, down to the question that ends whoever looks at it; that row is an error.
     """
 
-    def __init__(self, questions: Questions, asking: Asking, rows: Rows, count: Count) -> None:
+    def __init__(self, questions: Questions, asking: VerbCall, rows: Rows, count: Count) -> None:
         self.questions, self.asking, self.rows, self.count = questions.about(()), asking, rows, count
         self.size = FIRST_PART
         self.waiting: deque[_Part] = deque()
@@ -331,7 +331,7 @@ class _Part:
     alone: bool = False
 
 
-def timed_answers(bodies: tuple[Body, ...], questions: Questions, asking: Asking) -> tuple[Rows, float]:
+def timed_answers(bodies: tuple[Body, ...], questions: Questions, asking: VerbCall) -> tuple[Rows, float]:
     """Where it is answered: all that can be told of the questions, nothing put off, and the seconds it took."""
     begin = time.perf_counter()
     rows = answers(questions.about(bodies), asking).settle()
@@ -350,7 +350,7 @@ def _elsewhere(executor: Any, questions: Questions) -> Elsewhere:
 
     batch, bodies = uuid.uuid4().hex, pickle.dumps(questions.bodies)
 
-    def ask(part: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
+    def ask(part: Questions, asking: VerbCall) -> Future[tuple[Rows, float]]:
         future: Future[tuple[Rows, float]] = executor.submit(kept_answers, batch, bodies, part, asking)
         return future
 

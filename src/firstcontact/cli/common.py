@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
     from firstcontact.cli.progress import Progress
     from firstcontact.result import Json
-    from firstcontact.scene.load import Check, Curve, Scene
+    from firstcontact.scene.load import Check, CurveQuestion, Scene
     from firstcontact.view.pair import Result
     from firstcontact.work import CheckArguments
 
@@ -171,7 +171,7 @@ def _span_shown(span: Sequence[float | Fraction] | None, a: Body, b: Body) -> tu
 def answer_all(
     path: Path,
     what: str,
-    questions: Sequence[Check | Curve],
+    questions: Sequence[Check | CurveQuestion],
     answers: Callable[[Progress], Iterator[Result]],
     options: Options,
     out: Outputs,
@@ -209,7 +209,7 @@ def answer_all(
 
 
 def _named(
-    path: Path, what: str, questions: Sequence[Check | Curve], answers: Iterator[Result]
+    path: Path, what: str, questions: Sequence[Check | CurveQuestion], answers: Iterator[Result]
 ) -> Iterator[Result]:
     """The answers; an error names the question that is not answered."""
     done = 0
@@ -227,10 +227,10 @@ def deliver(
     """JSON to stdout, and the files that were asked for; interrupted: what is decided, and that there was more."""
     out.json("--json", lambda: _document(results, scene, interrupted))
     if options.html is not None and (results or not interrupted):
-        from firstcontact.view.assembly import Assembly
+        from firstcontact.view.assembly import SceneView
         from firstcontact.view.html import write_page
 
-        whole = Assembly(scene.bodies, scene.unit) if scene is not None and len(scene.bodies) > 2 else None
+        whole = SceneView(scene.bodies, scene.unit) if scene is not None and len(scene.bodies) > 2 else None
         out.file("--html", lambda path: write_page(path, results, whole))
 
 
@@ -257,7 +257,7 @@ def write_png(out: Outputs, results: list[Any]) -> None:
     out.file("--png", lambda target: write_png(target, (touching or results)[0]))
 
 
-def refuse_single(path: Path, pairs: Sequence[Check | Curve]) -> None:
+def refuse_single(path: Path, pairs: Sequence[Check | CurveQuestion]) -> None:
     """Refuse a scene without a pair of bodies."""
     if not pairs:
         raise InputError(f"{path}: a single body has nothing to touch; add a second [body.NAME]")

@@ -178,12 +178,12 @@ class Run:
         self.out.say(f"{len(results)} pairs, {free} of them FREE from waypoint 0 to {self.total}")
         self.out.json("--json", lambda: self._document(results, robot=name))
         if self.options.html is not None:
-            from firstcontact.view.assembly import Assembly
+            from firstcontact.view.assembly import SceneView
             from firstcontact.view.html import write_page
 
             links = [body for own in self.course.bodies.values() for body in own]
             bodies = {body.name or "": body for body in (*links, *self.cell.values())}
-            self.out.file("--html", lambda path: write_page(path, results, Assembly(bodies, self.unit)))
+            self.out.file("--html", lambda path: write_page(path, results, SceneView(bodies, self.unit)))
         if self.kept is not None:
             self.kept.remove()
 

@@ -18,7 +18,7 @@ from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import above, ball_bounds, below, exact_value, precision, to_double
 from firstcontact.exact.vectors import scaled
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.motion.relative.pieces import Piece, pieces
+from firstcontact.motion.relative.pieces import MotionPiece, pieces
 from firstcontact.motion.rotation import angle_ball
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
@@ -64,14 +64,14 @@ def intervals(ask: Callable[[Query], ContactIntervals], query: Query) -> Contact
     return replace(found, intervals=tuple(ends), span=query.span, free_until=free_until)
 
 
-def _settling(query: Query) -> tuple[Piece, fmpq]:
+def _settling(query: Query) -> tuple[MotionPiece, fmpq]:
     """The relative motion, and a time from which on the bodies share points always or never."""
     a, b, first = query.a, query.b, query.first
     for body in query.bodies:
         if getattr(shape_of(body), "deforming", False):
             raise InputError(f"{body!r} deforms, which needs a bounded span; give span=(first, last)")
     (piece,) = pieces(a, b, first, None)
-    assert isinstance(piece, Piece)  # others need an end
+    assert isinstance(piece, MotionPiece)  # others need an end
     if piece.velocity is None:
         with precision(64):
             rate = angle_ball(piece.rate[0], "radians") + angle_ball(piece.rate[1], "turns")

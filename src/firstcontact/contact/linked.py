@@ -30,14 +30,14 @@ _HALVINGS = 4
 Run = tuple[fmpq, fmpq]
 
 
-class Cover(NamedTuple):
+class BallCover(NamedTuple):
     """Balls that hold a body in its own frame: centres (k, 3), and the radius of each of them."""
 
     centres: tuple[tuple[float, ...], ...]
     radius: float
 
 
-_COVERS = Kept[tuple[Cover, Cover] | None]()
+_COVERS = Kept[tuple[BallCover, BallCover] | None]()
 
 
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
@@ -153,7 +153,7 @@ def _runs(query: Query) -> Iterator[Run]:
     yield from _joined(asked.tolist(), times, query.first, last)
 
 
-def _balls(body: Body, cover: Cover, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _balls(body: Body, cover: BallCover, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Centres (n, k, 3) and radii (n, k) of balls that hold the body in all of each stretch."""
     if not isinstance(body, Moving):
         return np.array(cover.centres)[None], np.full((1, len(cover.centres)), cover.radius)
@@ -184,16 +184,16 @@ def _joined(stretches: list[int], times: tuple[fmpq, ...], first: fmpq, last: fm
             begin = k
 
 
-def _covers(body: Shape) -> tuple[Cover, Cover] | None:
+def _covers(body: Shape) -> tuple[BallCover, BallCover] | None:
     """One ball around the body, and several around parts of its box; None of a body that has no box of its own."""
-    def made() -> tuple[Cover, Cover] | None:
+    def made() -> tuple[BallCover, BallCover] | None:
         lo, hi = body.bounds()
         return (_cover(lo, hi, 0), _cover(lo, hi, _HALVINGS)) if np.isfinite([lo, hi]).all() else None
 
     return None if getattr(body, "deforming", False) else _COVERS.of(body, made)
 
 
-def _cover(lo: np.ndarray, hi: np.ndarray, halvings: int) -> Cover:
+def _cover(lo: np.ndarray, hi: np.ndarray, halvings: int) -> BallCover:
     counts, sides = np.ones(3, int), hi - lo
     for _ in range(halvings):
         longest = int(np.argmax(sides))
@@ -201,4 +201,4 @@ def _cover(lo: np.ndarray, hi: np.ndarray, halvings: int) -> Cover:
         sides[longest] *= 0.5
     grid = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in counts), indexing="ij"), axis=-1).reshape(-1, 3)
     radius = 0.5 * float(np.linalg.norm(sides)) * (1 + 1e-14) + 1e-14 * float(np.abs([lo, hi]).max())
-    return Cover(tuple(map(tuple, (lo + grid * sides).tolist())), radius)
+    return BallCover(tuple(map(tuple, (lo + grid * sides).tolist())), radius)

@@ -17,7 +17,7 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import ONE, ZERO, Line, Plane, Point, Surface, Vector, columns, dot, primitive
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import Leaf, conjunction
-from firstcontact.body.solid.features import Edge, Face, Features, Piece, Vertex
+from firstcontact.body.solid.features import Edge, EdgePiece, Face, Features, Vertex
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
@@ -134,7 +134,7 @@ def _features(
             line = Line(columns((*direction, ZERO), (*a, ONE)))
             frame = np.array([[to_double(c) for c in row] for row in line.basis])
             pair = tuple(sorted(sides))
-            edges.append(Edge(e, f"{who}.{e}", line, pair, "convex", (Piece(0.0, 1.0, i, j),), pair, frame))
+            edges.append(Edge(e, f"{who}.{e}", line, pair, "convex", (EdgePiece(0.0, 1.0, i, j),), pair, frame))
     vertices = tuple(
         Vertex(v, f"{who}.{v}", Point(columns((*points[v], ONE))), tuple(sorted(around[v])),
                tuple(to_double(c) for c in points[v]), body.error)  # type: ignore[arg-type]

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.exactly.tracing import Powers, Surfaces, rows
 from firstcontact.pairs.ruled_ruled import DUAL
 from firstcontact.result_curve import Branch
@@ -31,7 +31,7 @@ def is_on_lines(point: np.ndarray, lines: Iterable[np.ndarray], whole: bool = Fa
 
 
 def is_on_branches(
-    point: np.ndarray, branches: Iterable[Branch], p: Sequence[Piece], q: Sequence[Piece], tolerance: float
+    point: np.ndarray, branches: Iterable[Branch], p: Sequence[RulingPiece], q: Sequence[RulingPiece], tolerance: float
 ) -> bool:
     """Whether a branch of these pieces, between the points of its polyline too, passes through it."""
     near = _near(point)
@@ -57,14 +57,14 @@ def _near(point: np.ndarray) -> float:
     return ONE_POINT * max(1.0, float(np.abs(point).max()))
 
 
-def _holds(piece: Piece, u: np.ndarray) -> bool:
+def _holds(piece: RulingPiece, u: np.ndarray) -> bool:
     return piece.u is None or bool(float(piece.u[0]) <= u.min() and u.max() <= float(piece.u[1]))
 
 
 class _Chord:
     """The curve between two of its points, given by u and v, in charts in which these are finite."""
 
-    def __init__(self, p: Piece, q: Piece, ends: np.ndarray) -> None:
+    def __init__(self, p: RulingPiece, q: RulingPiece, ends: np.ndarray) -> None:
         self.surfaces = Surfaces(p, q)
         self.reverse = np.abs(ends).min(0) > 1.0
         with np.errstate(divide="ignore"):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.certified.certified_curve import certified_curve, is_supported
 from firstcontact.curves.certified.settled import BEARABLE
 from firstcontact.curves.exactly.intersection import intersection
@@ -53,7 +53,7 @@ def takes_kernels(p: Any, q: Any, method: str, box: Iterable[Iterable[Given]] | 
     if method == "certified" or any(len(x.pieces) > 1 for x in (p, q)):
         return True
     first, second = p.pieces[0], q.pieces[0]
-    sizes = [Piece.of(x).rulings.degree for x in (first, second)]
+    sizes = [RulingPiece.of(x).rulings.degree for x in (first, second)]
     return sizes[0] * sizes[1] > SMALL and all(x.bounded and is_supported(x) for x in (first, second))
 
 
@@ -68,10 +68,10 @@ def _fields(p: Ruled, q: Ruled, tolerance: float, box: Box | None, method: str) 
         fields = certified_curve(p, q, tolerance, settles=bool(strips) or method == "certified")
         if method == "certified" or strips or not fields["open_places"]:
             return fields
-        sizes = [Piece.of(x.pieces[0]).rulings.degree for x in (p, q)]
+        sizes = [RulingPiece.of(x.pieces[0]).rulings.degree for x in (p, q)]
         if sizes[0] * sizes[1] > BEARABLE:
             return fields
-    return intersection(Piece.of(p.pieces[0]), Piece.of(q.pieces[0]), tolerance, box)
+    return intersection(RulingPiece.of(p.pieces[0]), RulingPiece.of(q.pieces[0]), tolerance, box)
 
 
 def _check(surface: Shape) -> None:

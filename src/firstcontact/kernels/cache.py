@@ -30,7 +30,7 @@ from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 
 from firstcontact.kernels.notices import announce
-from firstcontact.kernels.parts import Part, pieces_of, rebuilt, set_environments, within_another
+from firstcontact.kernels.parts import KernelPart, pieces_of, rebuilt, set_environments, within_another
 
 if TYPE_CHECKING:
     from numba.core.types import Type
@@ -109,7 +109,7 @@ class KernelCache(_Cache):  # type: ignore[misc]
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        whole = not isinstance(data.library, Part)
+        whole = not isinstance(data.library, KernelPart)
         if whole:
             set_environments(data)
         if not self._enabled:

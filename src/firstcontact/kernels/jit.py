@@ -14,7 +14,7 @@ from numba.core.types import unliteral
 from numba.extending import overload
 
 from firstcontact.kernels.cache import FOLDER, IMPLEMENTATIONS, KernelCache
-from firstcontact.kernels.parts import Part, PartOrWhole, compiling, keep_parts, within_another
+from firstcontact.kernels.parts import KernelPart, PartOrWhole, compiling, keep_parts, within_another
 
 try:
     import fcntl
@@ -44,7 +44,7 @@ def kernel(function: Callable[..., Any], allocates: bool = True, inlined: bool =
         # processes wait for each other along calls only, which make no ring
         with global_compiler_lock, _no_other_process(name), compiling(dispatcher):
             arguments = normalize_signature(signature)[0]
-            if not within_another() and arguments in known and isinstance(known[arguments].library, Part):
+            if not within_another() and arguments in known and isinstance(known[arguments].library, KernelPart):
                 del known[arguments]
             return compile_or_load(signature)
 

@@ -48,22 +48,22 @@ def within_another() -> bool:
     return len(_begun) > 1
 
 
-class Part(JITCodeLibrary):  # type: ignore[misc]
+class KernelPart(JITCodeLibrary):  # type: ignore[misc]
     """Code for callers to link; nothing has an address."""
 
     of_kernel = True
 
     def __init__(self, codegen: Any, name: str) -> None:
         super().__init__(codegen, name)
-        self.needs: list[Part] = []
+        self.needs: list[KernelPart] = []
         """All that is called, by what is called too, to be linked into a whole beside this: not into each caller."""
 
     def finalize(self) -> None:
         """Leaves alone are linked; all is optimized once, in what Python calls."""
         libraries = list(dict.fromkeys(self._linking_libraries))
-        if any(isinstance(library, Part) and library.of_kernel for library in libraries):
-            self.needs = [library for library in libraries if isinstance(library, Part)]
-            self._linking_libraries = [library for library in libraries if not isinstance(library, Part)]
+        if any(isinstance(library, KernelPart) and library.of_kernel for library in libraries):
+            self.needs = [library for library in libraries if isinstance(library, KernelPart)]
+            self._linking_libraries = [library for library in libraries if not isinstance(library, KernelPart)]
         super().finalize()
 
     def _optimize_final_module(self) -> None:
@@ -103,19 +103,19 @@ _link: Any = CPUCodeLibrary.add_linking_library
 
 def _link_all(library: Any, other: Any) -> None:
     _link(library, other)
-    if isinstance(other, Part):
+    if isinstance(other, KernelPart):
         library._linking_libraries += other.needs
 
 
 setattr(CPUCodeLibrary, "add_linking_library", _link_all)  # noqa: B010 (to mypy, methods are not assigned to)
 
-_read: dict[bytes, Part] = {}
+_read: dict[bytes, KernelPart] = {}
 """Parts from files, by their code: callers of the same ones share them."""
 
 
-def _part_of(context: Any, name: str, code: bytes) -> Part:
+def _part_of(context: Any, name: str, code: bytes) -> KernelPart:
     if (part := _read.get(code)) is None:
-        part = _read[code] = Part(context.codegen(), name)
+        part = _read[code] = KernelPart(context.codegen(), name)
         part.bitcode = code
         part._shared_module = binding.parse_bitcode(code)
         part._finalized = True
@@ -133,7 +133,7 @@ class PartOrWhole(Compiler):  # type: ignore[misc]
     ) -> None:
         part = len(_begun) > self.whole_within
         if part:
-            library = Part(targetctx.codegen(), "part")
+            library = KernelPart(targetctx.codegen(), "part")
             library.of_kernel = self.whole_within == 1
             library.enable_object_caching()
         super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
@@ -161,7 +161,7 @@ def keep_parts(dispatcher: Any) -> Any:
     add, known = dispatcher.add_overload, dispatcher.overloads
 
     def add_overload(result: Any) -> None:
-        if isinstance(result.library, Part):
+        if isinstance(result.library, KernelPart):
             known[tuple(result.signature.args)] = result
         else:
             add(result)
@@ -187,7 +187,7 @@ def _no_wrapper(*_: object, **__: object) -> None:
     pass
 
 
-def _nothing_to_call(library: Part, fndesc: object, env: object) -> object:
+def _nothing_to_call(library: KernelPart, fndesc: object, env: object) -> object:
     """What stands for the part where Numba looks up kernels by what Python calls."""
     library._ensure_finalized()
     return object()
@@ -214,7 +214,7 @@ def rebuilt(context: Any, kept: tuple[Any, ...]) -> Any:
 def pieces_of(compiled: Any) -> tuple[Any, ...]:
     """What `rebuilt` takes, of what was compiled."""
     kept: tuple[Any, ...] = compiled._replace(type_annotation="")._reduce()
-    if not isinstance(compiled.library, Part):
+    if not isinstance(compiled.library, KernelPart):
         return kept
     parts = compiled.library, *compiled.library.needs
     return *kept[:-1], tuple(environment for part in parts for environment in part.environments)

@@ -13,7 +13,7 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import ball_bounds, exact_value, precision, rational, to_double
 from firstcontact.exact.vectors import Vector, scaled
 from firstcontact.motion.placement import HERE, Placement, advanced
-from firstcontact.motion.product import Factor, Product, Simple, Value, at
+from firstcontact.motion.product import JointFactor, Product, Simple, Value, at
 from firstcontact.motion.rotation import Rotation, turns_of
 from firstcontact.motion.screw import Screw, simple
 from firstcontact.motion.translation import Translation, double_of
@@ -113,7 +113,7 @@ class Linkage(Motion):
         return to_double(self.times[0]), to_double(self.times[-1])
 
     @property
-    def steps(self) -> tuple[Factor, ...]:
+    def steps(self) -> tuple[JointFactor, ...]:
         """The motion of each stretch."""
         return tuple(part[2] for part in self.parts())
 
@@ -129,7 +129,7 @@ class Linkage(Motion):
 
     def _part(self, k: int) -> Part:
         start, end = self.times[k], self.times[k + 1]
-        factors = [Factor(d.motion, d.values[k]) for d in self.drives if any(d.values[k])]
+        factors = [JointFactor(d.motion, d.values[k]) for d in self.drives if any(d.values[k])]
         moving = [f for f in factors if any(f.value[1:])]
         if not moving:
             return start, end, Translation((0, 0, 0)), placed(factors), None
@@ -169,7 +169,7 @@ class Linkage(Motion):
         time = min(max(time, self.times[0]), self.times[-1])
         k = self.stretch(time)
         share = (time - self.times[k]) / (self.times[k + 1] - self.times[k])
-        return placed([Factor(d.motion, (at(d.values[k], share),)) for d in self.drives])
+        return placed([JointFactor(d.motion, (at(d.values[k], share),)) for d in self.drives])
 
     def joint_values(self, time: float, interval: tuple[float, float]) -> list[JointValue]:
         """The values of the joints at a time, and enclosed at all times of the interval around it."""
@@ -237,7 +237,7 @@ def apart(a: Linkage, b: Linkage) -> tuple[Linkage, Linkage, Linkage] | None:
     return Linkage(a.times, a.drives[count:]), Linkage(b.times, b.drives[count:]), Linkage(a.times, a.drives[:count])
 
 
-def placed(factors: Iterable[Factor]) -> Placement:
+def placed(factors: Iterable[JointFactor]) -> Placement:
     """The pose by factors whose values do not change."""
     pose = HERE
     for motion, value in reversed(tuple(factors)):

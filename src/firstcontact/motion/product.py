@@ -23,7 +23,7 @@ Value = tuple[fmpq, ...]
 """A polynomial: its coefficients, ascending."""
 
 
-class Factor(NamedTuple):
+class JointFactor(NamedTuple):
     """What a joint does: `motion` at its own time `value`, a polynomial of the step's time of degree 3 at most."""
 
     motion: Simple
@@ -49,7 +49,7 @@ class Product(Motion):
     span = SPAN
     extends = False
 
-    def __init__(self, factors: Iterable[Factor]) -> None:
+    def __init__(self, factors: Iterable[JointFactor]) -> None:
         self.factors = tuple(factors)
 
     def __call__(self, t: float) -> np.ndarray:
@@ -65,7 +65,7 @@ class Product(Motion):
 
     def shifted(self, by: Vector) -> Product:
         """The same motion in a world shifted by a vector."""
-        return Product(Factor(f.motion.shifted(by), f.value) for f in self.factors)
+        return Product(JointFactor(f.motion.shifted(by), f.value) for f in self.factors)
 
     def _facts(self) -> tuple[Hashable, ...]:
         return self.factors

@@ -75,7 +75,7 @@ MOST_NESTED = 100
 # Bodies that an error names.
 MOST_NAMES = 20
 
-__all__ = ["Check", "Curve", "Scene", "load_scene", "parse_number", "parse_time"]
+__all__ = ["Check", "CurveQuestion", "Scene", "load_scene", "parse_number", "parse_time"]
 
 
 class TranslationTable(Table):
@@ -368,7 +368,7 @@ class CurveArguments(TypedDict):
 
 
 @dataclass(frozen=True)
-class Curve:
+class CurveQuestion:
     """A question of `firstcontact curve`: the keys of two bodies, the time at which they rest, the verb's arguments."""
 
     a: str
@@ -393,7 +393,7 @@ class Scene:
     path: Path
     bodies: dict[str, Any]
     checks: tuple[Check, ...]
-    curves: tuple[Curve, ...] = ()
+    curves: tuple[CurveQuestion, ...] = ()
     allow: tuple[Rule, ...] = ()
     unit: str = ""
     resting: int = 0
@@ -432,10 +432,10 @@ class Scene:
 
     def show(self, hits: Iterable[FirstContact], path: str | Path | None = None) -> Path | NotebookFrame:
         """Write the page that shows all bodies, and the contacts one after the other; without a path open it."""
-        from firstcontact.view.assembly import Assembly
+        from firstcontact.view.assembly import SceneView
         from firstcontact.view.html import show_page
 
-        return show_page(path, hits, Assembly(self.bodies, self.unit))
+        return show_page(path, hits, SceneView(self.bodies, self.unit))
 
 
 def load_scene(path: str | Path) -> Scene:
@@ -609,15 +609,15 @@ def _names(scene: SceneTable) -> str:
     return ", ".join(map(repr, names[:MOST_NAMES])) + more
 
 
-def _curves(path: Path, scene: SceneTable) -> list[Curve]:
+def _curves(path: Path, scene: SceneTable) -> list[CurveQuestion]:
     """Of the pairs of [[curve]] tables; without any, of those that are checked, or of all pairs of bodies."""
     if not scene.curve:
         checked = [_pair(path, scene, f"check[{k}]", table.pair) for k, table in enumerate(scene.check)]
-        return [Curve(a, b) for a, b in checked or itertools.combinations(scene.body, 2)]
+        return [CurveQuestion(a, b) for a, b in checked or itertools.combinations(scene.body, 2)]
     curves = []
     for k, table in enumerate(scene.curve):
         a, b = _pair(path, scene, f"curve[{k}]", table.pair)
-        curves.append(Curve(a, b, table.at, _tolerance(path, k, table), table.box, table.method))
+        curves.append(CurveQuestion(a, b, table.at, _tolerance(path, k, table), table.box, table.method))
     return curves
 
 

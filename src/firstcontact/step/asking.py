@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firstcontact.step.solids import Solid, explored
+from firstcontact.step.solids import StepSolid, explored
 
 if TYPE_CHECKING:
     from OCP.BRepClass3d import BRepClass3d_SolidClassifier
@@ -33,7 +33,7 @@ TOLERANCE, ENDLESS, MOST = 1e-9, 1e100, 50_000
 class Asking:
     """Of one solid."""
 
-    def __init__(self, solid: Solid) -> None:
+    def __init__(self, solid: StepSolid) -> None:
         from OCP.IntCurvesFace import IntCurvesFace_Intersector
 
         self.solid = solid

@@ -18,7 +18,7 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import positive_double, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, compose
 from firstcontact.step import bodies, reader, units
-from firstcontact.step.reader import Node, Shape
+from firstcontact.step.reader import Shape, TreeNode
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -195,7 +195,7 @@ def _root(
     if not roots:
         raise InputError(f"{called}: holds no solids, only curves or surfaces; export the model as solids")
     if len(roots) > 1:
-        roots = [Node(path.stem, path.stem, None, IDENTITY, None, tuple(roots))]
+        roots = [TreeNode(path.stem, path.stem, None, IDENTITY, None, tuple(roots))]
     start = tuple(tuple(x * scale for x in row) for row in IDENTITY)
     root = roots[0] if roots[0].name else replace(roots[0], name=path.stem)
     return _made(root, root.name, "", start, _Made(unit, wanted, source, scale))  # type: ignore[arg-type]
@@ -247,7 +247,7 @@ class _Made:
     scale: fmpq
 
 
-def _solid_nodes(node: Node) -> Node | None:
+def _solid_nodes(node: TreeNode) -> TreeNode | None:
     """The tree without what holds no faces, as curves and points that are drawn beside the solids; an assembly of one
     part that has no name of its own is that part."""
     if node.shape is not None:
@@ -264,7 +264,7 @@ def _solid_nodes(node: Node) -> Node | None:
     return replace(node, children=children)
 
 
-def _is_called(node: Node) -> bool:
+def _is_called(node: TreeNode) -> bool:
     return node.name not in ("part", "assembly") or bool(node.product)
 
 
@@ -276,7 +276,7 @@ def _has_faces(shape: Shape) -> bool:
     return next(explored(shape.shape, TopAbs_ShapeEnum.TopAbs_FACE), None) is not None
 
 
-def _made(node: Node, name: str, above: str, before: Matrix, made: _Made) -> Assembly:
+def _made(node: TreeNode, name: str, above: str, before: Matrix, made: _Made) -> Assembly:
     path = f"{above}/{name}" if above else name
     placement = compose(before, node.placement)
     names = unique(child.name for child in node.children)

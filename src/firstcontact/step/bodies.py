@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firstcontact.body.compound.compound import Piece
+from firstcontact.body.compound.compound import CompoundPiece
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.errors import InputError
 from firstcontact.step import cells, planar
 from firstcontact.step.reader import Shape
-from firstcontact.step.solids import Solid, explored
-from firstcontact.step.triangles import Net, triangulated
+from firstcontact.step.solids import StepSolid, explored
+from firstcontact.step.triangles import TriangleNet, triangulated
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
@@ -45,10 +45,10 @@ class Built:
     made of; shown: makes polyhedra for pictures, None: the pieces; why: they do not lie on the very surfaces; cut:
     makes triangles instead, None of polyhedra."""
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[CompoundPiece, ...]
     deviation: float
-    solid: Solid
-    shown: Callable[[], tuple[Piece, ...]] | None = None
+    solid: StepSolid
+    shown: Callable[[], tuple[CompoundPiece, ...]] | None = None
     why: str | None = None
     cut: Callable[[], Built] | None = None
 
@@ -61,24 +61,24 @@ class Built:
         """Whether its faces lie on the very surfaces of the file."""
         return self.why is None
 
-    def drawn(self) -> tuple[Piece, ...]:
+    def drawn(self) -> tuple[CompoundPiece, ...]:
         return self.pieces if self.shown is None else self.shown()
 
 
-def solids_of(part: Shape) -> list[Solid]:
+def solids_of(part: Shape) -> list[StepSolid]:
     """The solids of a part.  InputError for surfaces that bound none: to leave them out would be to lose them."""
     if "solids" not in part.made:
         from OCP.TopAbs import TopAbs_ShapeEnum as Kind
 
-        found = [Solid(shape, part) for shape in explored(part.shape, Kind.TopAbs_SOLID)]
+        found = [StepSolid(shape, part) for shape in explored(part.shape, Kind.TopAbs_SOLID)]
         loose = len(list(explored(part.shape, Kind.TopAbs_FACE))) - sum(len(solid.faces) for solid in found)
         if loose:
-            Solid(part.shape, part).check_borders()  # tells where it is open
+            StepSolid(part.shape, part).check_borders()  # tells where it is open
             raise InputError(
                 f"{part.name}: {loose} of its faces bound no solid, and surfaces have no inside; export it as a solid"
             )
         part.made["solids"] = found
-    known: list[Solid] = part.made["solids"]
+    known: list[StepSolid] = part.made["solids"]
     return known
 
 
@@ -90,12 +90,12 @@ def built(part: Shape, wanted: Wanted) -> tuple[Built, ...]:
     return known
 
 
-def _built(solid: Solid, wanted: Wanted) -> Built:
+def _built(solid: StepSolid, wanted: Wanted) -> Built:
     solid.check()
     flat = planar.polyhedron_of(solid)
     if flat is not None:
         _check_volume(solid, flat.polyhedron.vertices[flat.polyhedron.triangles], flat.moved)
-        piece = Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron))
+        piece = CompoundPiece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron))
         return Built((piece,), flat.moved, solid)
     why = "asked for"
     if wanted.surfaces is not False:
@@ -106,20 +106,20 @@ def _built(solid: Solid, wanted: Wanted) -> Built:
     return _by_triangles(solid, wanted, why)
 
 
-def _by_triangles(solid: Solid, wanted: Wanted, why: str) -> Built:
+def _by_triangles(solid: StepSolid, wanted: Wanted, why: str) -> Built:
     net = triangulated(solid, DEVIATION * solid.size if wanted.deviation is None else wanted.deviation)
     _check_volume(solid, net.points[net.triangles], net.deviation)
     piece = _mesh_piece(solid, net)
     return Built((piece,), net.deviation, solid, why=why)
 
 
-def _by_surfaces(solid: Solid, wanted: Wanted) -> Built:
+def _by_surfaces(solid: StepSolid, wanted: Wanted) -> Built:
     """Raises NotExact where the file's surfaces are of other kinds, or checks do not bear the pieces out."""
     found, off, rough = cells.cells_of(solid, None if wanted.surfaces else MOST_PIECES)
     if wanted.deviation is not None and off > wanted.deviation:
         raise cells.NotExact(f"its edges are up to {off:.2g} off the surfaces that meet there")
     exact = [
-        Piece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
+        CompoundPiece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
         for x in found
     ]
     _check_volume(solid, rough.corners, rough.deviation + off)
@@ -127,12 +127,12 @@ def _by_surfaces(solid: Solid, wanted: Wanted) -> Built:
     return Built(tuple(exact), off, solid, shown, cut=cache(lambda: _by_triangles(solid, wanted, "asked for")))
 
 
-def _mesh_piece(solid: Solid, net: Net) -> Piece:
+def _mesh_piece(solid: StepSolid, net: TriangleNet) -> CompoundPiece:
     mesh = Polyhedron(net.points, net.triangles.astype(np.int32), solid=True)
-    return Piece(mesh, _names_of_triangles(solid, mesh, net))
+    return CompoundPiece(mesh, _names_of_triangles(solid, mesh, net))
 
 
-def _check_volume(solid: Solid, corners: np.ndarray, deviation: float) -> None:
+def _check_volume(solid: StepSolid, corners: np.ndarray, deviation: float) -> None:
     """That nothing is lost: triangles with corners (n, 3, 3) within the deviation of the solid's boundary enclose the
     same but for a layer of that depth."""
     p, q, r = np.moveaxis(corners - solid.box[0], 1, 0)
@@ -161,7 +161,7 @@ class MeshNames:
         return kind, number, self.labels[kind][number]
 
 
-def _names_of_polygons(solid: Solid, mesh: Polyhedron) -> MeshNames:
+def _names_of_polygons(solid: StepSolid, mesh: Polyhedron) -> MeshNames:
     from OCP.TopExp import TopExp
 
     ends = {}
@@ -176,7 +176,7 @@ def _names_of_polygons(solid: Solid, mesh: Polyhedron) -> MeshNames:
     return MeshNames(own, solid.labels)
 
 
-def _names_of_triangles(solid: Solid, mesh: Polyhedron, net: Net) -> MeshNames:
+def _names_of_triangles(solid: StepSolid, mesh: Polyhedron, net: TriangleNet) -> MeshNames:
     corners, n = mesh.triangles.astype(np.int64), len(net.nodes)
     faces_at = np.zeros(n, int)
     faces_at[corners] = net.face_of[:, None]
@@ -207,7 +207,7 @@ class CellNames:
     """As asked for so far, by the surfaces that meet there and whether it is the tip of a cone."""
 
     @classmethod
-    def of_cell(cls, solid: Solid, cell: cells.Cell) -> CellNames:
+    def of_cell(cls, solid: StepSolid, cell: cells.SolidCell) -> CellNames:
         return cls(tuple(cell.own), *solid.incidence, solid.labels)
 
     def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:

@@ -34,13 +34,13 @@ class NotBounded(Exception):
 
 
 @dataclass(frozen=True)
-class Chart:
+class SurfaceBounds:
     """over: boxes (n, 4) of u, u', v, v' to (n, 5) bounds of |S_u|, |S_v|, |S_uu|, |S_uv|, |S_vv| over each."""
 
     over: Callable[[np.ndarray], np.ndarray]
 
 
-def chart_of(surface: Geom_Surface, box: tuple[float, float, float, float]) -> Chart:
+def chart_of(surface: Geom_Surface, box: tuple[float, float, float, float]) -> SurfaceBounds:
     """Bounds for a surface of OpenCASCADE over any boxes within `box` (u, u', v, v').  Raises NotBounded."""
     kind = surface.DynamicType().Name()
     if kind == "Geom_RectangularTrimmedSurface":
@@ -52,10 +52,10 @@ def chart_of(surface: Geom_Surface, box: tuple[float, float, float, float]) -> C
         return _even(r, 1.0, r, 0.0, 0.0)
     if kind == "Geom_SphericalSurface":
         r = surface.Radius()
-        return Chart(lambda boxes: _ringed(0.0, r, boxes))
+        return SurfaceBounds(lambda boxes: _ringed(0.0, r, boxes))
     if kind == "Geom_ToroidalSurface":
         big, small = surface.MajorRadius(), surface.MinorRadius()
-        return Chart(lambda boxes: _ringed(big, small, boxes))
+        return SurfaceBounds(lambda boxes: _ringed(big, small, boxes))
     if kind == "Geom_ConicalSurface":
         sine, radius = abs(math.sin(surface.SemiAngle())), surface.RefRadius()
 
@@ -64,22 +64,22 @@ def chart_of(surface: Geom_Surface, box: tuple[float, float, float, float]) -> C
             one = np.ones(len(boxes))
             return np.column_stack([r, one, r, sine * one, 0.0 * one])
 
-        return Chart(cone)
+        return SurfaceBounds(cone)
     if kind == "Geom_SurfaceOfLinearExtrusion":
-        curve = Curve(surface.BasisCurve(), box[0], box[1])
-        return Chart(lambda boxes: _extruded(curve, boxes))
+        curve = CurveBounds(surface.BasisCurve(), box[0], box[1])
+        return SurfaceBounds(lambda boxes: _extruded(curve, boxes))
     if kind == "Geom_SurfaceOfRevolution":
-        curve = Curve(surface.BasisCurve(), box[2], box[3])
+        curve = CurveBounds(surface.BasisCurve(), box[2], box[3])
         axis = surface.Axis()
-        return Chart(lambda boxes: _turned(curve, boxes, curve.reach(axis)))
+        return SurfaceBounds(lambda boxes: _turned(curve, boxes, curve.reach(axis)))
     if kind in ("Geom_BSplineSurface", "Geom_BezierSurface"):
-        return Chart(_Patches(surface).over)
+        return SurfaceBounds(_Patches(surface).over)
     raise NotBounded(kind.removeprefix("Geom_"))
 
 
-def _even(*values: float) -> Chart:
+def _even(*values: float) -> SurfaceBounds:
     row = np.array(values)
-    return Chart(lambda boxes: np.tile(row, (len(boxes), 1)))
+    return SurfaceBounds(lambda boxes: np.tile(row, (len(boxes), 1)))
 
 
 def _ringed(big: float, small: float, boxes: np.ndarray) -> np.ndarray:
@@ -90,20 +90,20 @@ def _ringed(big: float, small: float, boxes: np.ndarray) -> np.ndarray:
     return np.column_stack([out, small * one, out, small * sine, small * one])
 
 
-def _extruded(curve: Curve, boxes: np.ndarray) -> np.ndarray:
+def _extruded(curve: CurveBounds, boxes: np.ndarray) -> np.ndarray:
     first, second = curve.over(boxes[:, :2])
     one = np.ones(len(boxes))
     return np.column_stack([first, one, second, 0.0 * one, 0.0 * one])
 
 
-def _turned(curve: Curve, boxes: np.ndarray, radius: float) -> np.ndarray:
+def _turned(curve: CurveBounds, boxes: np.ndarray, radius: float) -> np.ndarray:
     """S = turn(u) c(v): derivatives by u are those of points at most `radius` from the axis."""
     first, second = curve.over(boxes[:, 2:])
     r = np.full(len(boxes), radius)
     return np.column_stack([r, first, r, first, second])
 
 
-class Curve:
+class CurveBounds:
     """Bounds of the first two derivatives of a curve of OpenCASCADE, in space or in parameters, on [lo, hi]."""
 
     def __init__(self, curve: Geom_Curve | Geom2d_Curve, lo: float, hi: float) -> None:

@@ -34,7 +34,7 @@ from firstcontact.step.asking import Asking
 from firstcontact.step.carriers import Carrier, carrier_of
 from firstcontact.step.rims import rims
 from firstcontact.step.rough import Rough, rough
-from firstcontact.step.solids import Solid
+from firstcontact.step.solids import StepSolid
 from firstcontact.step.trims import Trims
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class NotExact(Exception):
 
 
 @dataclass
-class Cell:
+class SolidCell:
     """body: of the solid in the box; own: of each of its surfaces the faces of the file that lie on it."""
 
     body: CompositeQuadric
@@ -83,7 +83,7 @@ class _Problem:
     samples (n, 3) on faces `face` (n,), with outward normals; labelled points (m, 3), whether each is inside.
     """
 
-    solid: Solid
+    solid: StepSolid
     cut: Rough
     surfaces: list[Surface]
     nappes: dict[int, Carrier]
@@ -142,7 +142,7 @@ def _near_ones(forms: np.ndarray, points: np.ndarray, round_: np.ndarray) -> np.
     return found
 
 
-def cells_of(solid: Solid, most: int | None = None) -> tuple[list[Cell], float, Rough]:
+def cells_of(solid: StepSolid, most: int | None = None) -> tuple[list[SolidCell], float, Rough]:
     """The pieces, how far their edges are from the file's, and rough triangles.  Raises NotExact.
 
     most: pieces that may be made, those that are made again counted anew.
@@ -157,7 +157,7 @@ def cells_of(solid: Solid, most: int | None = None) -> tuple[list[Cell], float, 
     lo, hi = solid.box
     room = ROOM * solid.size
     boxes = list(_boxes(problem, _even(lo - room, solid.size), _even(hi + room, solid.size), 0))
-    solved: list[Cell | None] = [None] * len(boxes)
+    solved: list[SolidCell | None] = [None] * len(boxes)
     todo = list(range(len(boxes)))
     doubtful, near, made = set(todo), dict[int, float](), 0
     for _ in range(ROUNDS):
@@ -187,7 +187,7 @@ def cells_of(solid: Solid, most: int | None = None) -> tuple[list[Cell], float, 
 
 
 def _strays(
-    problem: _Problem, cells: dict[int, Cell], off: float
+    problem: _Problem, cells: dict[int, SolidCell], off: float
 ) -> tuple[dict[int, np.ndarray], dict[int, float]]:
     """Of each cell (n, 3) points of its edges and vertices, not in walls alone, that are not on the file's faces; and
     how far others are from these at most.
@@ -302,7 +302,7 @@ def _even(x: np.ndarray, size: float) -> np.ndarray:
 # -- what is asked ------------------------------------------------------------------------------------------------
 
 
-def _problem(solid: Solid) -> _Problem:
+def _problem(solid: StepSolid) -> _Problem:
     surfaces: list[Surface] = []
     nappes: dict[int, Carrier] = {}
     numbers: dict[tuple[Any, ...], int] = {}
@@ -336,7 +336,7 @@ def _problem(solid: Solid) -> _Problem:
     )  # fmt: skip
 
 
-def _samples(solid: Solid, cut: Rough, forms: np.ndarray, of_face: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def _samples(solid: StepSolid, cut: Rough, forms: np.ndarray, of_face: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """Points inside faces, on their carriers, and the faces' numbers."""
     corners, owner = cut.corners, cut.face_of
     step = 0.04 * solid.size
@@ -361,7 +361,7 @@ def _samples(solid: Solid, cut: Rough, forms: np.ndarray, of_face: list[int]) ->
 
 
 def _outward(
-    solid: Solid, forms: np.ndarray, points: np.ndarray, faces: np.ndarray, of_face: list[int]
+    solid: StepSolid, forms: np.ndarray, points: np.ndarray, faces: np.ndarray, of_face: list[int]
 ) -> np.ndarray:
     """Unit normals at points of faces, away from the solid: by the normal that the file's face has there."""
     from OCP.BRep import BRep_Tool
@@ -389,7 +389,7 @@ def _outward(
     return normals
 
 
-def _cuts(solid: Solid, surfaces: list[Surface], of_face: list[int]) -> Iterator[Plane]:
+def _cuts(solid: StepSolid, surfaces: list[Surface], of_face: list[int]) -> Iterator[Plane]:
     """Planes through edges: of circles their own, of seams the one across both faces, else the two between them."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GeomAbs import GeomAbs_CurveType as Kind
@@ -468,7 +468,7 @@ def _halving(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> tuple[int, fl
     return axis, float(places[best])
 
 
-def _solved(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> Cell | None:
+def _solved(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> SolidCell | None:
     """The solid in a cell, None where there is none of it."""
     here = ((problem.samples >= lo) & (problem.samples <= hi)).all(axis=1)
     near = problem.passing(lo, hi)
@@ -500,7 +500,7 @@ def _solved(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> Cell | None:
         body = CompositeQuadric(surfaces.known, whole, box=corners, witness=at)  # type: ignore[arg-type]
     except InputError:
         return None
-    return Cell(body, surfaces.faces, (lo, hi))
+    return SolidCell(body, surfaces.faces, (lo, hi))
 
 
 def _missed(
@@ -644,7 +644,7 @@ def _joined(k: int, below: Tree | bool | None, above: Tree | bool | None) -> Tre
     return Or(And(leaf, below), And(Not(leaf), above))
 
 
-def contains(cells: Sequence[Cell], points: np.ndarray) -> np.ndarray:
+def contains(cells: Sequence[SolidCell], points: np.ndarray) -> np.ndarray:
     """(n,) whether the points are in one of the cells."""
     found = np.zeros(len(points), bool)
     for cell in cells:

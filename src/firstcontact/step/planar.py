@@ -17,7 +17,7 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import exact_value, fraction, to_double
 from firstcontact.exact.vectors import dot
-from firstcontact.step.solids import Solid, forward
+from firstcontact.step.solids import StepSolid, forward
 
 if TYPE_CHECKING:
     from OCP.gp import gp_Dir, gp_Pnt
@@ -27,14 +27,14 @@ Point = tuple[fmpq, fmpq, fmpq]
 
 
 @dataclass(frozen=True)
-class Flat:
+class PlanarPart:
     """polyhedron: with a polygon for each face; moved: how far corners are from the file's points, at most."""
 
     polyhedron: Polyhedron
     moved: float
 
 
-def polyhedron_of(solid: Solid) -> Flat | None:
+def polyhedron_of(solid: StepSolid) -> PlanarPart | None:
     """None for solids that have other faces or edges, or planes without a common point where the file has a corner."""
     planes = [plane_of(face) for face in solid.faces]
     if any(plane is None for plane in planes) or not all(map(_is_straight, solid.edges)):
@@ -60,7 +60,7 @@ def polyhedron_of(solid: Solid) -> Flat | None:
         made = Polyhedron(corners, faces, solid=True)
     except InputError:  # polygons that cross themselves
         return None
-    return Flat(made, float(np.linalg.norm(moved, axis=1).max()) * (1 + 1e-9))
+    return PlanarPart(made, float(np.linalg.norm(moved, axis=1).max()) * (1 + 1e-9))
 
 
 def plane_of(face: TopoDS_Face) -> tuple[Point, fmpq] | None:
@@ -88,7 +88,7 @@ def _is_straight(edge: TopoDS_Edge) -> bool:
     return bool(BRepAdaptor_Curve(edge).GetType() == GeomAbs_CurveType.GeomAbs_Line)
 
 
-def _rings(solid: Solid, number: int) -> list[list[int]]:
+def _rings(solid: StepSolid, number: int) -> list[list[int]]:
     """The corners around a face as it looks outward, the outer ring first."""
     from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
     from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum

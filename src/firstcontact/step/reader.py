@@ -55,7 +55,7 @@ class Shape:
 
 
 @dataclass(frozen=True, eq=False)
-class Node:
+class TreeNode:
     """A part (`shape`) or an assembly (`children`) in its place within the one that holds it."""
 
     name: str
@@ -63,14 +63,14 @@ class Node:
     colour: tuple[float, float, float] | None
     placement: Matrix
     shape: Shape | None
-    children: tuple[Node, ...]
+    children: tuple[TreeNode, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Read:
     """A file: its roots, and the unit in which its numbers are."""
 
-    roots: tuple[Node, ...]
+    roots: tuple[TreeNode, ...]
     unit: str
 
 
@@ -167,14 +167,14 @@ class _Tree:
         self.entities = _Entities(reader, kinds)
         self.shapes: dict[str, Shape] = {}
 
-    def roots(self) -> tuple[Node, ...]:
+    def roots(self) -> tuple[TreeNode, ...]:
         from OCP.collections import Sequence_TDF_Label
 
         labels = Sequence_TDF_Label()
         self.tool.GetFreeShapes(labels)
         return tuple(self._node(labels.Value(k), None) for k in range(1, labels.Length() + 1))
 
-    def _node(self, label: TDF_Label, instance: TDF_Label | None) -> Node:
+    def _node(self, label: TDF_Label, instance: TDF_Label | None) -> TreeNode:
         """label: of a product; instance: of its place in an assembly, None of a root."""
         name = self._name(label)
         own = name if instance is None else self._name(instance) or name
@@ -182,10 +182,10 @@ class _Tree:
         location = self.tool.GetLocation_s(label if instance is None else instance)
         placement = IDENTITY if location.IsIdentity() else _matrix(location.Transformation())
         if self.tool.IsAssembly_s(label):
-            return Node(own or "assembly", name, colour, placement, None, self._children(label))
-        return Node(own or "part", name, colour, placement, self._shape(label, name or own or "part"), ())
+            return TreeNode(own or "assembly", name, colour, placement, None, self._children(label))
+        return TreeNode(own or "part", name, colour, placement, self._shape(label, name or own or "part"), ())
 
-    def _children(self, label: TDF_Label) -> tuple[Node, ...]:
+    def _children(self, label: TDF_Label) -> tuple[TreeNode, ...]:
         from OCP.collections import Sequence_TDF_Label
         from OCP.TDF import TDF_Label
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from firstcontact.step.charts import Elementary
-from firstcontact.step.solids import Solid
+from firstcontact.step.solids import StepSolid
 from firstcontact.step.triangles import check_tiling, cut_by, triangles_of
 
 
@@ -22,7 +22,7 @@ class Rough:
     deviation: float
 
 
-def rough(solid: Solid, deviation: float) -> Rough:
+def rough(solid: StepSolid, deviation: float) -> Rough:
     """Of a solid of planes, cylinders, cones and spheres.  InputError names a face that cannot be cut."""
     return cut_by(solid, deviation, lambda: _all(solid))
 
@@ -30,7 +30,7 @@ def rough(solid: Solid, deviation: float) -> Rough:
 _MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [1 / 3, 1 / 3, 1 / 3]])
 
 
-def _all(solid: Solid) -> Rough:
+def _all(solid: StepSolid) -> Rough:
     corners, owners, off = [], [], 0.0
     for number in range(len(solid.faces)):
         found = triangles_of(solid, number)

@@ -36,7 +36,7 @@ class Use:
     reversed: bool
 
 
-class Solid:
+class StepSolid:
     """who: what errors call it, the part; shape: the solid of OpenCASCADE."""
 
     def __init__(self, shape: TopoDS_Shape, part: Shape) -> None:

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from firstcontact.errors import InputError
-from firstcontact.step.bounds import SAFE, Chart, Curve, NotBounded, chart_of
+from firstcontact.step.bounds import SAFE, CurveBounds, NotBounded, SurfaceBounds, chart_of
 from firstcontact.step.charts import Elementary, elementary
 from firstcontact.step.sagitta import LONGER, drift, is_round, sagitta
-from firstcontact.step.solids import Solid, Use, forward
+from firstcontact.step.solids import StepSolid, Use, forward
 
 if TYPE_CHECKING:
     from OCP.Geom import Geom_Surface
@@ -46,7 +46,7 @@ Node = tuple[str, int, int]
 
 
 @dataclass
-class Net:
+class TriangleNet:
     """points: (n, 3); nodes: what each is; triangles: (m, 3) outward; face_of: (m,) numbers of their faces; sides: of
     pairs of corners i < j the edge that they are on; deviation: proved."""
 
@@ -58,7 +58,7 @@ class Net:
     deviation: float
 
 
-def triangulated(solid: Solid, deviation: float) -> Net:
+def triangulated(solid: StepSolid, deviation: float) -> TriangleNet:
     """Triangles within the deviation of the solid's faces.  InputError names a face that cannot be had so."""
     net = cut_by(solid, deviation, lambda: _Builder(solid, deviation).net())
     if net.deviation > deviation:
@@ -69,7 +69,7 @@ def triangulated(solid: Solid, deviation: float) -> Net:
     return net
 
 
-def cut_by(solid: Solid, deviation: float, made: Callable[[], Made]) -> Made:
+def cut_by(solid: StepSolid, deviation: float, made: Callable[[], Made]) -> Made:
     """What is made of the triangles that OpenCASCADE cuts the faces into, of finer ones where faces fold over."""
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools
@@ -94,7 +94,7 @@ class Folded(Exception):
 
 
 @dataclass(frozen=True)
-class Cut:
+class CutFace:
     """A face as OpenCASCADE cut it: uv: parameters of corners; triangles: of these, in their order; flipped: whether
     the solid is on the other side."""
 
@@ -106,7 +106,7 @@ class Cut:
     triangles: list[tuple[int, int, int]]
 
 
-def triangles_of(solid: Solid, number: int) -> Cut:
+def triangles_of(solid: StepSolid, number: int) -> CutFace:
     """The triangulation that a face has.  InputError where it has none."""
     from OCP.BRep import BRep_Tool
     from OCP.TopAbs import TopAbs_Orientation
@@ -122,7 +122,7 @@ def triangles_of(solid: Solid, number: int) -> Cut:
     uv = [(p.X(), p.Y()) for p in map(net.UVNode, range(1, net.NbNodes() + 1))]
     found = [(i - 1, j - 1, k - 1) for i, j, k in (net.Triangle(n).Get() for n in range(1, net.NbTriangles() + 1))]
     flipped = shape.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
-    return Cut(net, location, BRep_Tool.Surface_s(shape), flipped, uv, found)
+    return CutFace(net, location, BRep_Tool.Surface_s(shape), flipped, uv, found)
 
 
 Segment = tuple[int, int]
@@ -135,7 +135,7 @@ class _Border:
 
     edge: int
     curve: Any
-    bends: Curve
+    bends: CurveBounds
     t0: float
     t1: float
     first: int
@@ -145,14 +145,14 @@ class _Border:
 
 
 @dataclass
-class _Face:
+class _TriangleFace:
     """uv, ids: of each corner its parameters and its number in the whole; triangles: by corners, in the order of the
     parameters; over: of each triangle the bound of how far the surface is from it, None where that is not known yet;
     """
 
     number: int
     surface: Any
-    chart: Chart
+    chart: SurfaceBounds
     flipped: bool
     uv: list[tuple[float, float]]
     ids: list[int]
@@ -189,7 +189,7 @@ class _Face:
 
 
 class _Builder:
-    def __init__(self, solid: Solid, wanted: float) -> None:
+    def __init__(self, solid: StepSolid, wanted: float) -> None:
         self.solid, self.wanted = solid, wanted
         self.numbers: dict[Node, int] = {}
         self.nodes: list[Node] = []
@@ -198,7 +198,7 @@ class _Builder:
         self.middles: dict[tuple[int, int, int], int] = {}
         """Of (edge, corner, corner) the corner between them."""
 
-    def net(self) -> Net:
+    def net(self) -> TriangleNet:
         faces = [self._face(number) for number in range(len(self.solid.faces))]
         for _ in range(ROUNDS):
             marked = [self._too_far(face) for face in faces]
@@ -214,7 +214,7 @@ class _Builder:
             raise Folded("its triangles do not come near to its faces, however often they are halved")
         return self._joined(faces)
 
-    def _joined(self, faces: list[_Face]) -> Net:
+    def _joined(self, faces: list[_TriangleFace]) -> TriangleNet:
         triangles, owners, worst, sides = [], [], 0.0, {}
         for number, face in enumerate(faces):
             check_tiling(self.solid, number, np.array(face.uv), np.array(face.triangles))
@@ -229,11 +229,11 @@ class _Builder:
                 sides[min(ids[i], ids[j]), max(ids[i], ids[j])] = border.edge
         joined = np.concatenate(triangles)
         _check_closed(joined, self.solid)
-        return Net(np.array(self.points), self.nodes, joined, np.concatenate(owners), sides, worst)
+        return TriangleNet(np.array(self.points), self.nodes, joined, np.concatenate(owners), sides, worst)
 
     # -- what OpenCASCADE cut -----------------------------------------------------------------------------------
 
-    def _face(self, number: int) -> _Face:
+    def _face(self, number: int) -> _TriangleFace:
         """The triangulation of a face, with numbers of its corners in the whole."""
         cut = triangles_of(self.solid, number)
         uv, surface = cut.uv, cut.surface
@@ -246,7 +246,7 @@ class _Builder:
                 f"{self.solid.named('face', number)} is of kind {reason}, whose triangles have no proved bound"
             ) from reason
         unknown: list[float | None] = [None] * len(cut.triangles)
-        face = _Face(number, surface, chart, cut.flipped, uv, [-1] * len(uv), cut.triangles, unknown)
+        face = _TriangleFace(number, surface, chart, cut.flipped, uv, [-1] * len(uv), cut.triangles, unknown)
         face.known = elementary(surface)
         face.flat = surface.DynamicType().Name() == "Geom_Plane"
         face.round = face.known is not None and is_round(face.known)
@@ -272,7 +272,7 @@ class _Builder:
             self.points.append(self.solid.points[node[1]] if node[0] == "vertex" else _at(surface, u, v))
         return self.numbers[node]
 
-    def _weld(self, number: int, face: _Face, use: Use, cut: Cut) -> None:
+    def _weld(self, number: int, face: _TriangleFace, use: Use, cut: CutFace) -> None:
         """The corners of the face along one of its edges."""
         from OCP.BRep import BRep_Tool
         from OCP.TopExp import TopExp
@@ -299,7 +299,7 @@ class _Builder:
         else:
             self._note_borders(number, face, use, local.tolist(), times.tolist())
 
-    def _note_borders(self, number: int, face: _Face, use: Use, local: list[int], times: list[float]) -> None:
+    def _note_borders(self, number: int, face: _TriangleFace, use: Use, local: list[int], times: list[float]) -> None:
         from OCP.BRep import BRep_Tool
         from OCP.TopoDS import TopoDS
 
@@ -320,7 +320,7 @@ class _Builder:
                              "face and export it again")  # fmt: skip
         *_, curve, off = min(known)
         try:
-            bends = Curve(curve, times[0], times[-1])
+            bends = CurveBounds(curve, times[0], times[-1])
         except NotBounded as reason:
             raise NotBounded(f"{who} is a curve of kind {reason}, whose chords have no proved bound") from reason
         for i, j, t0, t1 in zip(local, local[1:], times, times[1:], strict=False):
@@ -328,7 +328,7 @@ class _Builder:
         face.apart = max(face.apart, self._length(face, off))
         face.off = max(face.off, BRep_Tool.Tolerance_s(use.edge))
 
-    def _beside(self, face: _Face, border: _Border) -> float:
+    def _beside(self, face: _TriangleFace, border: _Border) -> float:
         """How far the surface between a border's curve and its chord is from the chord at most."""
         if border.beside is None and border.bends.is_straight:
             border.beside = 0.0
@@ -337,7 +337,7 @@ class _Builder:
             border.beside = whole if face.flat else self._length(face, away)
         return border.beside
 
-    def _length(self, face: _Face, off: np.ndarray) -> float:
+    def _length(self, face: _TriangleFace, off: np.ndarray) -> float:
         """How long a step in parameters is at most."""
         if not off.any():
             return 0.0
@@ -347,13 +347,13 @@ class _Builder:
 
     # -- finer --------------------------------------------------------------------------------------------------
 
-    def _too_far(self, face: _Face) -> set[Segment]:
+    def _too_far(self, face: _TriangleFace) -> set[Segment]:
         """The sides to be halved: of triangles that are too far from the surface, and along curved borders."""
         marked = self._far_from_round(face) if face.round else self._far_from_others(face)
         most = face.beside_most * self.wanted
         return marked | {side for side, border in face.borders.items() if self._beside(face, border) > most}
 
-    def _far_from_round(self, face: _Face) -> set[Segment]:
+    def _far_from_round(self, face: _TriangleFace) -> set[Segment]:
         """What is off at borders may be REST of all; the triangles the remainder."""
         all_, most = _around(face), face.over_most * self.wanted
         far = np.where(all_.along, all_.away > most - min(all_.rest, REST * most), all_.loose > REST * most)
@@ -364,7 +364,7 @@ class _Builder:
             marked.add((min(i, j), max(i, j)))
         return marked | {side for side, x in zip(face.borders, all_.drift.tolist(), strict=True) if x > REST * most}
 
-    def _far_from_others(self, face: _Face) -> set[Segment]:
+    def _far_from_others(self, face: _TriangleFace) -> set[Segment]:
         marked: set[Segment] = set()
         unknown = [k for k, over in enumerate(face.over) if over is None]
         if unknown:
@@ -374,7 +374,7 @@ class _Builder:
                     marked.add(side)
         return marked
 
-    def _bounds(self, face: _Face, which: list[int]) -> list[tuple[float, Segment]]:
+    def _bounds(self, face: _TriangleFace, which: list[int]) -> list[tuple[float, Segment]]:
         """Of triangles the bound of how far the surface is from them, and the side that adds most to it."""
         uv = np.array(face.uv)
         corners = np.array([face.triangles[k] for k in which])
@@ -390,7 +390,7 @@ class _Builder:
             found.append((bound, (min(corner[i], corner[j]), max(corner[i], corner[j]))))
         return found
 
-    def _share(self, faces: list[_Face], marked: list[set[Segment]]) -> None:
+    def _share(self, faces: list[_TriangleFace], marked: list[set[Segment]]) -> None:
         """What is halved on an edge is so by both of its faces."""
         halved = {
             (face.borders[side].edge, *sorted((face.ids[side[0]], face.ids[side[1]])))
@@ -401,7 +401,7 @@ class _Builder:
                 if (border.edge, *sorted((face.ids[i], face.ids[j]))) in halved:
                     sides.add((i, j))
 
-    def _split(self, face: _Face, sides: set[Segment]) -> None:
+    def _split(self, face: _TriangleFace, sides: set[Segment]) -> None:
         """Halve these sides, and cut the triangles that have them."""
         if not sides:
             return
@@ -419,7 +419,7 @@ class _Builder:
             over += [None] * len(parts) if cut else [known]
         face.triangles, face.over = triangles, over
 
-    def _middle(self, face: _Face, side: Segment) -> int:
+    def _middle(self, face: _TriangleFace, side: Segment) -> int:
         """A new corner in the middle of a side: on the edge, of a border."""
         i, j = side
         number = len(face.uv)
@@ -449,7 +449,7 @@ class _Builder:
             face.borders[min(a, b), max(a, b)] = _Border(border.edge, border.curve, border.bends, t0, t1, a)
         return number
 
-    def _deviation(self, face: _Face) -> float:
+    def _deviation(self, face: _TriangleFace) -> float:
         """Proved bound for one face."""
         if face.round:
             all_ = _around(face)
@@ -472,7 +472,7 @@ def _bend(most: np.ndarray, steps: np.ndarray) -> np.ndarray:
     return found
 
 
-def _parametric(face: _Face, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _parametric(face: _TriangleFace, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(n,) bounds of how far the surface at parameters in triangles (n, 3, 2) is from their points there, and of each
     side what it adds, (n, 3)."""
     low, high = p.min(axis=1), p.max(axis=1)
@@ -494,13 +494,13 @@ class _Around:
     rest: float
 
 
-def _around(face: _Face) -> _Around:
+def _around(face: _TriangleFace) -> _Around:
     if face.around is None:
         face.around = _looked_around(face)
     return face.around
 
 
-def _looked_around(face: _Face) -> _Around:
+def _looked_around(face: _TriangleFace) -> _Around:
     assert face.known is not None
     uv = np.array(face.uv)
     p = uv[np.array(face.triangles)]
@@ -551,7 +551,7 @@ def _chord(border: _Border) -> tuple[np.ndarray, float]:
 _SHARES = np.array([(i, j, PARTS - i - j) for i in range(PARTS + 1) for j in range(PARTS + 1 - i)]) / PARTS
 
 
-def _seen(face: _Face, uv: np.ndarray) -> np.ndarray:
+def _seen(face: _TriangleFace, uv: np.ndarray) -> np.ndarray:
     """How far each of the triangles (n, 3, 2) is from the surface at the corners of its equal parts."""
     at = face.places((_SHARES @ uv).reshape(-1, 2)).reshape(len(uv), -1, 3)
     corners = face.places(uv.reshape(-1, 2)).reshape(-1, 3, 3)
@@ -559,7 +559,7 @@ def _seen(face: _Face, uv: np.ndarray) -> np.ndarray:
     return found
 
 
-def check_tiling(solid: Solid, number: int, uv: np.ndarray, triangles: np.ndarray) -> None:
+def check_tiling(solid: StepSolid, number: int, uv: np.ndarray, triangles: np.ndarray) -> None:
     """That the triangles cover what their outer sides enclose, once: all turn one way, and the sides that belong to one
     triangle alone are those of edges."""
     p, q, r = (uv[triangles[:, k]] for k in range(3))
@@ -568,7 +568,7 @@ def check_tiling(solid: Solid, number: int, uv: np.ndarray, triangles: np.ndarra
         raise Folded(f"{solid.named('face', number)} folds over itself where it is cut into triangles; its edges cross")
 
 
-def _check_closed(triangles: np.ndarray, solid: Solid) -> None:
+def _check_closed(triangles: np.ndarray, solid: StepSolid) -> None:
     """That each side of a triangle is one of another's, backwards."""
     sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     n = int(triangles.max()) + 1

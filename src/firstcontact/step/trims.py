@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from firstcontact.step.charts import Elementary
-from firstcontact.step.solids import Solid
+from firstcontact.step.solids import StepSolid
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Face
@@ -21,9 +21,9 @@ CLOSE = 1e-7
 class Trims:
     """Of a solid of planes, cylinders, cones and spheres: its faces in their parameters, by OpenCASCADE."""
 
-    def __init__(self, solid: Solid) -> None:
+    def __init__(self, solid: StepSolid) -> None:
         self.solid = solid
-        self.faces: dict[int, _Face] = {}
+        self.faces: dict[int, _TrimFace] = {}
         self.borders = Counter(face for faces in solid.incidence[0] for face in faces)
         """How many edges each face has: the more, the longer its answers take."""
 
@@ -47,13 +47,13 @@ class Trims:
         within: np.ndarray = points[found]
         return within
 
-    def _face(self, number: int) -> _Face:
+    def _face(self, number: int) -> _TrimFace:
         if number not in self.faces:
-            self.faces[number] = _Face(self.solid.faces[number])
+            self.faces[number] = _TrimFace(self.solid.faces[number])
         return self.faces[number]
 
 
-class _Face:
+class _TrimFace:
     def __init__(self, face: TopoDS_Face) -> None:
         from OCP.BRep import BRep_Tool
         from OCP.BRepTools import BRepTools

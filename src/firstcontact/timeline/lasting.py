@@ -47,7 +47,7 @@ Pose = tuple[np.ndarray, np.ndarray]
 """Linear part (3, 3) and shift (3,)."""
 
 
-class Tip(NamedTuple):
+class LastingTip(NamedTuple):
     """The apex of a model's cone, exact, and the unit way along its axis; owned: whether the model holds it."""
 
     point: Vector
@@ -63,10 +63,10 @@ class OwnTip(NamedTuple):
     """As a common point: an apex that body `side` holds at all times, so that only the other one has to be asked."""
 
     side: int
-    tip: Tip
+    tip: LastingTip
 
 
-class Solid:
+class LastingSolid:
     """A model as the proof reads it: its forms exact, and in doubles.
 
     centres: (n, 3) the points about which the latter are told, where little cancels: apexes of cones, else its middle.
@@ -266,7 +266,7 @@ class LastingOfModels(Lasting["np.ndarray | OwnTip"]):
     point like any.
     """
 
-    def __init__(self, a: Solid, b: Solid) -> None:
+    def __init__(self, a: LastingSolid, b: LastingSolid) -> None:
         super().__init__()
         self.solids = a, b
         directions = np.random.default_rng(0).normal(size=(30, 3))
@@ -475,12 +475,12 @@ def tree_height(tree: Tree, values: np.ndarray) -> np.ndarray:
     return np.maximum(first, second) if isinstance(tree, And) else np.minimum(first, second)
 
 
-def _tip(cone: Quadric, model: CompositeQuadric) -> Tip:
+def _tip(cone: Quadric, model: CompositeQuadric) -> LastingTip:
     """Its apex, and the unit way along which it goes deepest into the cone."""
     assert cone.apex is not None
     x, y, z = cone.apex[:3]
     form = np.array([[to_double(x) for x in row[:3]] for row in cone.form[:3]])
-    return Tip((x, y, z), np.linalg.eigh(form)[1][:, 0], model.contains_exactly((x, y, z)))
+    return LastingTip((x, y, z), np.linalg.eigh(form)[1][:, 0], model.contains_exactly((x, y, z)))
 
 
 def _about_centres(model: CompositeQuadric) -> tuple[np.ndarray, np.ndarray]:

@@ -51,7 +51,7 @@ class Found:
     reason: str | None
 
 
-class Open(Exception):
+class Unproved(Exception):
     """Nothing is proved from that time on."""
 
     def __init__(self, time: float) -> None:
@@ -59,7 +59,7 @@ class Open(Exception):
 
 
 @dataclass(frozen=True)
-class Touch:
+class FirstTouch:
     """The first contact after free time.
 
     lo, hi   no contact before lo; sure: one at or before hi.
@@ -146,7 +146,7 @@ class Pass:
     instant: fmpq | None
 
 
-class Sweep(Generic[W]):
+class TimeSweep(Generic[W]):
     """Follows two bodies from window to window, free or in contact.
 
     width: of the enclosures of events; touches_at_start: gives a common point at the start that is known otherwise, or
@@ -178,7 +178,7 @@ class Sweep(Generic[W]):
             for k, window in enumerate(self.windows):
                 self.reached = window.first
                 point = self._window(window, point, k == 0)
-        except Open as stopped:
+        except Unproved as stopped:
             self.reached = max(self.reached, stopped.time)
             reason = "precision" if self.work.allowed(1) else "budget"
         except Spent:
@@ -239,22 +239,22 @@ class Sweep(Generic[W]):
             return seeds[0]
         if is_first and (seed := self.touches_at_start()) is not None:
             return seed
-        raise Open(t)
+        raise Unproved(t)
 
     def _finer(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
         """As `_enter` or `_leave`, by a passage from t on.  May raise Open."""
         self._step()
         found = self.free.passage(window, t)
         if found is None or found.passage.stretches[0].contact != (self.start is not None):
-            raise Open(t)
+            raise Unproved(t)
         passage, until = found.passage, min(below(found.passage.until), window.last)
         if until <= t:  # less than doubles tell apart
-            raise Open(t)
+            raise Unproved(t)
         for before, after in zip(passage.stretches, passage.stretches[1:], strict=False):
             event = below(before.hi), above(after.lo)
             if before.contact and after.contact or passage.graze is not None:
                 if found.instant is None:
-                    raise Open(event[0])
+                    raise Unproved(event[0])
                 if not after.contact:
                     at = below(found.instant), above(found.instant)
                     self.start = event[0], at[1]
@@ -276,18 +276,18 @@ class Sweep(Generic[W]):
             return self._finer(window, found.lo)
         self.start, self.turns = (found.lo, found.hi), 0
         if found.at is None:
-            raise Open(found.hi)
+            raise Unproved(found.hi)
         if found.point is None:
             self._close(self.start)
         return found.at, found.point
 
-    def touch(self, window: W, t: float, end: float) -> Touch | None:
+    def touch(self, window: W, t: float, end: float) -> FirstTouch | None:
         """The first contact from t, which is free, to the time `end`; None where there is none."""
         lo, seeds = self.free.until(window, t, end)
         if lo >= end and not seeds:
             return None
         hi, point = self._soon(window, lo, min(window.inner, end), seeds)
-        return Touch(lo, hi, point is not None, hi, point)
+        return FirstTouch(lo, hi, point is not None, hi, point)
 
     def _soon(
         self, window: W, lo: float, latest: float, seeds: list[np.ndarray]
@@ -303,14 +303,14 @@ class Sweep(Generic[W]):
         """(a later time up to which all is settled, a common point then or None), from t, which is in contact."""
         self.turns += 1
         if self.turns > self.most_turns:
-            raise Open(t)
+            raise Unproved(t)
         t, point = self.lasting.until(window, t, window.last, point, LEAST_AHEAD, self._follows)
         self.reached = t
         if t >= window.last:
             return t, point
         try:
             return self._left(window, t, point)
-        except Open:
+        except Unproved:
             return self._finer(window, t)
 
     def _left(self, window: W, t: float, point: np.ndarray) -> tuple[float, np.ndarray | None]:
@@ -325,7 +325,7 @@ class Sweep(Generic[W]):
             if there is not None:
                 gap = self._lost_before(window, t, later, there)
                 return (later, there) if gap is None else self._back(window, t, gap)
-        raise Open(t)
+        raise Unproved(t)
 
     def _ahead(self, window: W, t: float) -> Iterator[float]:
         """Times after t, ever farther apart, up to the window's end."""
@@ -347,7 +347,7 @@ class Sweep(Generic[W]):
                 self._close((t, max(hi, t)))
                 return later, None
             if last is None or last.at is None or not last.sure:
-                raise Open(t)
+                raise Unproved(t)
             gap: float | None = -last.at
             if last.point is not None:
                 gap = self._lost_before(window, t, -last.at, last.point)
@@ -355,7 +355,7 @@ class Sweep(Generic[W]):
                 self._close((-last.hi, hi))
                 return later, None
             later = gap
-        raise Open(t)
+        raise Unproved(t)
 
     def _mirrored(self, window: W) -> W:
         return reversed_in_time(window)  # type: ignore[arg-type, return-value]
@@ -370,4 +370,4 @@ class Sweep(Generic[W]):
             middle = t + (-back - t) * k / TRIES
             if t < middle < later and self.free.at(window, middle):
                 return middle
-        raise Open(t)
+        raise Unproved(t)

@@ -24,7 +24,7 @@ MOST_TRIANGLES = 350_000
 
 
 @dataclass(frozen=True)
-class Assembly:
+class SceneView:
     """All bodies of a scene by name, and the unit of its lengths."""
 
     bodies: Mapping[str, Body]
@@ -50,7 +50,7 @@ def _order(result: FirstContact | ContactIntervals) -> tuple[int, float]:
     return (1, result.free_until or 0.0) if result.status is Status.UNDECIDED else (2, 0.0)
 
 
-def drawn(assembly: Assembly, in_pairs: set[int], known: dict[int, Drawing]) -> dict[str, Drawing]:
+def drawn(assembly: SceneView, in_pairs: set[int], known: dict[int, Drawing]) -> dict[str, Drawing]:
     """The bodies that can be drawn alone; in_pairs: ids of the bodies at rest that pairs show."""
     found: dict[str, Drawing] = {}
     for name, body in assembly.bodies.items():

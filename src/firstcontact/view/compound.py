@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.body.compound.compound import Compound, Piece
+from firstcontact.body.compound.compound import Compound, CompoundPiece
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.result import Element
 from firstcontact.view.geometry import sharp_edges
@@ -28,7 +28,7 @@ def element_corners(body: Compound, element: Element) -> np.ndarray:
     return np.concatenate([np.empty((0, 3)), *found])
 
 
-def _corners(piece: Piece, element: Element) -> np.ndarray:
+def _corners(piece: CompoundPiece, element: Element) -> np.ndarray:
     mesh: Polyhedron = piece.body
     if element.kind == "face":
         own = np.array([_is(piece, element, "face", k) for k in range(mesh.n_faces)])
@@ -39,5 +39,5 @@ def _corners(piece: Piece, element: Element) -> np.ndarray:
     return mesh.vertices[[k for k in range(len(mesh.vertices)) if _is(piece, element, "vertex", k)]]
 
 
-def _is(piece: Piece, element: Element, kind: str, index: int) -> bool:
+def _is(piece: CompoundPiece, element: Element, kind: str, index: int) -> bool:
     return piece.element(Element(kind, "", index, ""), element.body) == element

@@ -20,7 +20,7 @@ from firstcontact.result import Element
 from firstcontact.view import compound, ruled
 from firstcontact.view.curve import sight
 from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
-from firstcontact.view.pair import Pair, at_rest, pose
+from firstcontact.view.pair import PairView, at_rest, pose
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body, Shape
@@ -96,14 +96,14 @@ class Drawing:
         return np.concatenate([np.empty((0, 3)), *own, *seams])
 
 
-def drawings(pair: Pair, known: dict[int, Drawing] | None = None) -> tuple[Drawing, Drawing]:
+def drawings(pair: PairView, known: dict[int, Drawing] | None = None) -> tuple[Drawing, Drawing]:
     """The two bodies of a pair as they are drawn; `known`: drawings already made, by the id of the body."""
     known = {} if known is None else known
     first, second = (_drawing(pair, body, other, known) for body, other in ((pair.a, pair.b), (pair.b, pair.a)))
     return first, second
 
 
-def _drawing(pair: Pair, body: Body, other: Body, known: dict[int, Drawing]) -> Drawing:
+def _drawing(pair: PairView, body: Body, other: Body, known: dict[int, Drawing]) -> Drawing:
     rest = at_rest(body)
     drawing = drawing_alone(rest, known)
     if drawing is not None:
@@ -137,7 +137,7 @@ def drawing_alone(rest: Shape, known: dict[int, Drawing]) -> Drawing | None:
     return drawing
 
 
-def _box_near(pair: Pair, body: Body, other: Body) -> tuple[np.ndarray, np.ndarray]:
+def _box_near(pair: PairView, body: Body, other: Body) -> tuple[np.ndarray, np.ndarray]:
     """The part of an unbounded body that is drawn: near where the other one passes, in the body's frame."""
     lo, hi = other.bounds(pair.window)
     if not np.all(np.isfinite([lo, hi])) and pair.curve is not None:
@@ -159,7 +159,7 @@ def _ruled(body: RuledSurface | RuledStrip, lo: np.ndarray, hi: np.ndarray) -> D
     return Drawing(body, vertices, triangles, lines, None, owner)
 
 
-def _deforming(pair: Pair, body: RuledSurface | RuledStrip) -> Drawing:
+def _deforming(pair: PairView, body: RuledSurface | RuledStrip) -> Drawing:
     lo, hi = pair.window
     moments = [t for t in pair.moments if lo <= t <= hi]
     times = np.unique([*np.linspace(lo, hi, FRAMES), *moments])
@@ -224,7 +224,7 @@ def _parameters(edge: Edge, lo: float, hi: float, centre: np.ndarray, reach: flo
     return np.linspace(lo, hi, max(8, math.ceil(CHORDS * (hi - lo) / (2 * math.pi))) + 1)
 
 
-def contact_curve(pair: Pair) -> np.ndarray:
+def contact_curve(pair: PairView) -> np.ndarray:
     """(n, 3) float64 points, world frame at the contact, of the shared set where it is more than a point."""
     shared = None if pair.first is None else pair.first.contact_set
     points = np.asarray(getattr(shared, "points", np.empty((0, 3))), float).reshape(-1, 3)

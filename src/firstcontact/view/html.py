@@ -20,11 +20,11 @@ import numpy as np
 from firstcontact.errors import InputError
 from firstcontact.result import Absent, Element, FirstContact, Status
 from firstcontact.result_curve import IntersectionCurve
-from firstcontact.view.assembly import Assembly, drawn, shown
+from firstcontact.view.assembly import SceneView, drawn, shown
 from firstcontact.view.curve import layers
 from firstcontact.view.drawing import Drawing, contact_curve, drawings
 from firstcontact.view.joints import PageJoints, linkage_of
-from firstcontact.view.pair import Pair, Result, at_rest, is_moving, pairs_of, pose
+from firstcontact.view.pair import PairView, Result, at_rest, is_moving, pairs_of, pose
 from firstcontact.view.picture import HEIGHT, WIDTH, picture
 from firstcontact.view.poses import sample_poses
 
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 MOST_LISTED = 6
 
 
-def write_page(path: str | Path | None, results: Iterable[Result], assembly: Assembly | None = None) -> Path:
+def write_page(path: str | Path | None, results: Iterable[Result], assembly: SceneView | None = None) -> Path:
     """Write the page and return its path; without a path: a temporary file, opened in the browser.
 
     Several results about the same two bodies share one view; the page lets the reader choose among pairs.
@@ -74,7 +74,7 @@ class NotebookFrame:
 
 
 def show_page(
-    path: str | Path | None, results: Iterable[Result], assembly: Assembly | None = None
+    path: str | Path | None, results: Iterable[Result], assembly: SceneView | None = None
 ) -> Path | NotebookFrame:
     """As `write_page`; in a notebook, without a path, the page as its cell shows it."""
     if path is None and _in_notebook():
@@ -102,7 +102,7 @@ def cell(result: Any) -> str:
     return f'<img alt="{names}" width="{WIDTH}" height="{HEIGHT}" src="data:image/png;base64,{drawn}"/>{text}'
 
 
-def page_text(results: Iterable[Result], assembly: Assembly | None = None) -> str:
+def page_text(results: Iterable[Result], assembly: SceneView | None = None) -> str:
     """The page as one string; it refers to nothing outside itself."""
     pairs = pairs_of(results if assembly is None else shown(results))
     meshes, joints = _Meshes(), PageJoints(partial(_base64, dtype=np.float64))
@@ -183,7 +183,7 @@ class _View:
     unit: float
 
     @classmethod
-    def of(cls, pair: Pair, drawn: tuple[Drawing, Drawing]) -> _View:
+    def of(cls, pair: PairView, drawn: tuple[Drawing, Drawing]) -> _View:
         (_, size_a), (centre, size_b) = (drawing.frame for drawing in drawn)
         if pair.first is not None and pair.first.point is not None:
             origin = np.asarray(pair.first.point, float)
@@ -208,7 +208,7 @@ class _View:
         return m
 
 
-def _pair(pair: Pair, meshes: _Meshes, joints: PageJoints) -> dict[str, Json]:
+def _pair(pair: PairView, meshes: _Meshes, joints: PageJoints) -> dict[str, Json]:
     """Everything the page needs about one pair."""
     first = pair.first
     drawn = drawings(pair, meshes.known)
@@ -238,7 +238,7 @@ def _pair(pair: Pair, meshes: _Meshes, joints: PageJoints) -> dict[str, Json]:
     }
 
 
-def _whole(assembly: Assembly, pairs: list[Pair], meshes: _Meshes, joints: PageJoints) -> dict[str, Json]:
+def _whole(assembly: SceneView, pairs: list[PairView], meshes: _Meshes, joints: PageJoints) -> dict[str, Json]:
     """Every body that can be drawn alone, in a frame of all; which of them each pair is about, by their numbers."""
     in_pairs = {id(at_rest(x)) for pair in pairs for x in (pair.a, pair.b)}
     found = drawn(assembly, in_pairs, meshes.known)
@@ -268,7 +268,7 @@ def _within(body: Body, window: tuple[float, float]) -> tuple[float, float]:
     return max(lo, window[0]), min(hi, window[1])
 
 
-def _status(pair: Pair) -> str:
+def _status(pair: PairView) -> str:
     if pair.curve is None:
         return pair.status.name
     return "APART" if pair.curve.empty else "CURVE"
@@ -286,8 +286,9 @@ def _layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing], view: _Vie
 
 
 def _body(
-    pair: Pair, body: Body, drawing: Drawing, elements: list[Element], view: _View, meshes: _Meshes, joints: PageJoints
-) -> dict[str, Json]:
+    pair: PairView, body: Body, drawing: Drawing, elements: list[Element], view: _View,
+    meshes: _Meshes, joints: PageJoints,
+) -> dict[str, Json]:  # fmt: skip
     centre, size = drawing.frame
     lo, hi = pair.window
     times = (lo, hi, *(t for t in pair.moments if lo <= t <= hi)) if is_moving(body) else (lo,)
@@ -301,7 +302,7 @@ def _body(
     }
 
 
-def _carried_point(pair: Pair, body: Body, centre: np.ndarray, view: _View) -> np.ndarray:
+def _carried_point(pair: PairView, body: Body, centre: np.ndarray, view: _View) -> np.ndarray:
     """The point of the body whose path is drawn, in its own frame: where it touches, or its centre."""
     if pair.first is None or pair.first.point is None or pair.contact_time is None:
         return np.zeros(3)
@@ -323,7 +324,7 @@ def _element(drawing: Drawing, element: Element, names: tuple[str, str]) -> dict
     }
 
 
-def _rows(pair: Pair) -> list[tuple[str, str]]:
+def _rows(pair: PairView) -> list[tuple[str, str]]:
     """Label and text of the facts beside the picture."""
     rows: list[tuple[str, str]] = []
     first, intervals = pair.first, pair.intervals

@@ -24,7 +24,7 @@ Result = FirstContact | ContactIntervals | IntersectionCurve
 
 
 @dataclass(frozen=True)
-class Pair:
+class PairView:
     """Two bodies and what is known about them: a first contact, the contact intervals, or both; or their curve."""
 
     a: Body
@@ -121,9 +121,9 @@ def _timeline_of_intervals(
     return [s for s in stretches if s[0] < s[1] or s[2] == CONTACT]
 
 
-def pairs_of(results: Iterable[Result]) -> list[Pair]:
+def pairs_of(results: Iterable[Result]) -> list[PairView]:
     """One Pair for every two bodies, in the order of the results; both kinds of result in time share it."""
-    pairs: list[Pair] = []
+    pairs: list[PairView] = []
     for result in results:
         if not isinstance(result, Result):
             verbs = "first_contact, contact_intervals or intersection_curve"
@@ -133,7 +133,7 @@ def pairs_of(results: Iterable[Result]) -> list[Pair]:
         if isinstance(result.a, Absent) or isinstance(result.b, Absent):
             raise InputError("cannot draw a result that came without its bodies; pickle result.with_bodies() instead")
         if isinstance(result, IntersectionCurve):
-            pairs.append(Pair(result.a, result.b, (0.0, 0.0), curve=result))
+            pairs.append(PairView(result.a, result.b, (0.0, 0.0), curve=result))
             continue
         kind = "first" if isinstance(result, FirstContact) else "intervals"
         added: dict[str, Any] = {kind: result}
@@ -143,7 +143,7 @@ def pairs_of(results: Iterable[Result]) -> list[Pair]:
                 pairs[k] = replace(pair, **added)
                 break
         else:
-            pairs.append(Pair(result.a, result.b, result.span, **added))
+            pairs.append(PairView(result.a, result.b, result.span, **added))
     if not pairs:
         raise InputError("nothing to draw: the list of results is empty")
     return pairs

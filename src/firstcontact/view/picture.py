@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from firstcontact.view.drawing import Drawing, drawings
-from firstcontact.view.pair import Pair, pose
+from firstcontact.view.pair import PairView, pose
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
@@ -99,7 +99,7 @@ class _Canvas:
         )
 
 
-def picture(pair: Pair) -> bytes:
+def picture(pair: PairView) -> bytes:
     """The two bodies as a PNG: when they first touch, or at the start of what is shown."""
     time = pair.window[0] if pair.contact_time is None else pair.contact_time
     drawn = drawings(pair)

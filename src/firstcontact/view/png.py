@@ -15,7 +15,7 @@ import numpy as np
 from firstcontact.errors import InputError
 from firstcontact.result import ContactIntervals, Element, FirstContact
 from firstcontact.view.drawing import Drawing, contact_curve, drawings
-from firstcontact.view.pair import Pair, is_moving, pairs_of, pose
+from firstcontact.view.pair import PairView, is_moving, pairs_of, pose
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -80,7 +80,7 @@ def _pyvista() -> ModuleType:
     return import_module("pyvista")
 
 
-def _draw(plotter: Plotter, pair: Pair) -> None:
+def _draw(plotter: Plotter, pair: PairView) -> None:
     t = pair.window[0] if pair.contact_time is None else pair.contact_time
     drawn = drawings(pair)
     posed = []
@@ -136,7 +136,7 @@ def _draw_body(plotter: Plotter, drawing: Drawing, surface: PolyData, which: int
         plotter.add_mesh(lines, color=LINE_COLOURS[which], opacity=0.6, line_width=1.5 * SAMPLES)
 
 
-def _draw_motion(plotter: Plotter, pair: Pair, body: Body, drawing: Drawing, which: int, t: float) -> None:
+def _draw_motion(plotter: Plotter, pair: PairView, body: Body, drawing: Drawing, which: int, t: float) -> None:
     """The start pose, faint, and the path of the touching point (of the centre when there is none)."""
     lo, hi = pair.window
     if t > lo:
@@ -205,7 +205,7 @@ def _draw_contact(
 
 
 def _aim(
-    plotter: Plotter, pair: Pair, drawn: tuple[Drawing, Drawing], posed: list[PolyData],
+    plotter: Plotter, pair: PairView, drawn: tuple[Drawing, Drawing], posed: list[PolyData],
     point: np.ndarray | None, normal: np.ndarray | None,
 ) -> float:  # fmt: skip
     """Look at both bodies, from where the contact point is in sight; the radius of what is looked at."""

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _TAKEN_IN = Kept["Compound"]()
 
 
-class Names(Protocol):
+class PieceNames(Protocol):
     """What elements of a piece are called."""
 
     def of(self, kind: str, index: int, body: Body) -> tuple[str, int, str] | None:
@@ -41,11 +41,11 @@ class Names(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class CompoundPiece:
     """A body, and how its elements are called; path: of the part that it belongs to, "" for the compound itself."""
 
     body: Any
-    names: Names
+    names: PieceNames
     path: str = ""
     corners: np.ndarray | None = None
     """(n, 3) points whose hull holds the body, where that is sooner had than from the body."""
@@ -58,7 +58,7 @@ class Piece:
         kind, index, label = own
         return Element(kind, name, index, " ".join(x for x in (self.path or name, label) if x))
 
-    def mapped(self, matrix: Matrix) -> Piece:
+    def mapped(self, matrix: Matrix) -> CompoundPiece:
         """The piece under an exact affine map."""
         return replace(self, body=self.body._mapped(matrix), corners=_moved(self.corners, matrix))
 
@@ -67,7 +67,7 @@ class Piece:
 class _TakenInNames:
     """Of a mesh that was taken in: its elements are those of the mesh as it was."""
 
-    names: Names
+    names: PieceNames
     mesh: Polyhedron
 
     @cached_property
@@ -75,7 +75,7 @@ class _TakenInNames:
         return {(min(i, j), max(i, j)): k for k, (i, j) in enumerate(self.mesh.edges.tolist())}
 
     def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
-        """As `Names`; sides of triangles within a polygon are the polygon."""
+        """As `PieceNames`; sides of triangles within a polygon are the polygon."""
         if kind == "edge":
             i, j = body.edges[index].tolist()
             if (known := self.edges.get((min(i, j), max(i, j)))) is not None:
@@ -95,12 +95,12 @@ class Compound(Placing):
 
     def __init__(
         self,
-        pieces: Iterable[Piece],
+        pieces: Iterable[CompoundPiece],
         *,
         deviation: float = 0.0,
         unit: str | None = None,
         source: dict[str, Json] | None = None,
-        shown: Callable[[], Iterable[Piece]] | None = None,
+        shown: Callable[[], Iterable[CompoundPiece]] | None = None,
         cut: Callable[[], Compound] | None = None,
         name: str | None = None,
     ) -> None:
@@ -114,7 +114,7 @@ class Compound(Placing):
         if not self.pieces:
             raise InputError(f"{name or 'compound'}: no pieces; give at least one body")
         for k, piece in enumerate(self.pieces):
-            if not isinstance(piece, Piece):
+            if not isinstance(piece, CompoundPiece):
                 raise InputError(
                     f"{name or 'compound'}: piece {k} is {piece!r}, which has no names of a file; compounds are what "
                     "load_step makes: join solids by |, put the components of a mesh in one Polyhedron, or ask about "
@@ -122,7 +122,7 @@ class Compound(Placing):
                 )
 
     @cached_property
-    def shown(self) -> tuple[Piece, ...]:
+    def shown(self) -> tuple[CompoundPiece, ...]:
         """What pictures have of it: polyhedra, made when one is drawn."""
         return self.pieces if self._shown is None else tuple(self._shown())
 

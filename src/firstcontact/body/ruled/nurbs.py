@@ -27,7 +27,7 @@ Point = tuple[fmpq, fmpq, fmpq, fmpq]
 
 
 @dataclass(frozen=True)
-class Patch:
+class NurbsPatch:
     """The curves between two knots; joined: which of "u0", "u1", "s0", "s1" are no border of the whole surface."""
 
     first: RationalCurve
@@ -38,7 +38,7 @@ class Patch:
 
 def patches(
     points: Nested, knots: Nested | None, weights: Nested | None, degree: Given | Sequence[Given], who: str
-) -> list[Patch]:
+) -> list[NurbsPatch]:
     """The patches of a ruled surface of degree (n, 1) or (1, n): along the curves first, then across them."""
     grid, curve_knots = _read(points, knots, weights, degree, who)
     count = len(grid[0])
@@ -52,7 +52,7 @@ def patches(
         for i, k in enumerate(spans):
             joins = {"u0": i > 0 or closed, "u1": i + 1 < len(spans) or closed, "s0": j > 0, "s1": j + 2 < len(grid)}
             joined = frozenset(end for end, joint in joins.items() if joint)
-            found.append(Patch(first[i], second[i], (curve_knots[k], curve_knots[k + 1]), joined))
+            found.append(NurbsPatch(first[i], second[i], (curve_knots[k], curve_knots[k + 1]), joined))
     return found
 
 

@@ -37,11 +37,11 @@ from firstcontact.body.solid.csg import (
     renumbered,
     surfaces_of,
 )
-from firstcontact.body.solid.feature_names import Names, Part
+from firstcontact.body.solid.feature_names import LabelledPart, Names
 from firstcontact.body.solid.features import Edge, Face, Features, Vertex, derive
 from firstcontact.body.solid.neighbourhood import patterns
 from firstcontact.body.solid.recipe import Recipe, combined
-from firstcontact.body.solid.regions import Reach, Regions, grows_with_leaves, reaches_of, simplified
+from firstcontact.body.solid.regions import Regions, SurfaceReach, grows_with_leaves, reaches_of, simplified
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.rigid import Matrix, apply
@@ -87,10 +87,10 @@ class CompositeQuadric(Placing):
         self,
         surfaces: Sequence[Surface],
         tree: Tree,
-        parts: Sequence[Part] = (),
+        parts: Sequence[LabelledPart] = (),
         *,
         box: Box | None = None,
-        reaches: Sequence[Reach] | None = None,
+        reaches: Sequence[SurfaceReach] | None = None,
         witness: Vector | None = None,
         name: str | None = None,
         forms: np.ndarray | None = None,
@@ -228,13 +228,13 @@ class CompositeQuadric(Placing):
         clip_other = None if operation is Or else other._part_in(self._box)
         reaches = list(self._reaches)
         if clip_own is not None:
-            reaches = [Reach(_overlap(reach.box, clip_own), reach.outside) for reach in reaches]
+            reaches = [SurfaceReach(_overlap(reach.box, clip_own), reach.outside) for reach in reaches]
         for (k, side), reach in zip(places, other._reaches, strict=True):
-            clipped = Reach(_overlap(reach.box, clip_other), side * reach.outside)
+            clipped = SurfaceReach(_overlap(reach.box, clip_other), side * reach.outside)
             if k < len(reaches):
                 known = reaches[k]
                 same = known.outside == clipped.outside
-                clipped = Reach(_hull(known.box, clipped.box), known.outside if same else 0)
+                clipped = SurfaceReach(_hull(known.box, clipped.box), known.outside if same else 0)
                 reaches[k] = clipped
             else:
                 reaches.append(clipped)
@@ -270,7 +270,9 @@ class CompositeQuadric(Placing):
         known: dict[Vector, int] = self._search["numbers"]
         return known
 
-    def _inner_parts(self, place: Sequence[tuple[int, int]] | None = None, *, flipped: bool = False) -> list[Part]:
+    def _inner_parts(
+        self, place: Sequence[tuple[int, int]] | None = None, *, flipped: bool = False
+    ) -> list[LabelledPart]:
         """The parts with this solid's name in front, for surfaces numbered and turned as `place` tells."""
         if self.name is None and place is None:
             return list(self.parts)
@@ -282,7 +284,7 @@ class CompositeQuadric(Placing):
                 labels = tuple(
                     (place[i][0], side * place[i][1] * (-1 if flipped else 1), label) for i, side, label in labels
                 )
-            parts.append(Part(path, labels, part.edges, part.cuts + flipped))
+            parts.append(LabelledPart(path, labels, part.edges, part.cuts + flipped))
         return parts
 
     # -- placing --------------------------------------------------------------------------------------------
@@ -308,7 +310,7 @@ class CompositeQuadric(Placing):
             surfaces=surfaces,
             forms=np.array([doubles(s.matrix()) for s in surfaces]),
             _box=box,
-            _reaches=tuple(Reach(boxes[reach.box], reach.outside) for reach in self._reaches),
+            _reaches=tuple(SurfaceReach(boxes[reach.box], reach.outside) for reach in self._reaches),
             _witness=witness,
             recipe=None if self.recipe is None else self.recipe.moved(matrix),
         )
@@ -632,7 +634,7 @@ def solid(
         number = tree.inner if isinstance(tree, Not) else tree
         assert isinstance(number, Leaf)
         labels.append((number.surface, -1 if isinstance(tree, Not) else 1, label))
-    return CompositeQuadric(surfaces, conjunction(trees), [Part("", tuple(labels), tuple(edges))], **known)
+    return CompositeQuadric(surfaces, conjunction(trees), [LabelledPart("", tuple(labels), tuple(edges))], **known)
 
 
 def form_of(rows: Rows) -> Quadric:

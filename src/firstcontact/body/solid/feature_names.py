@@ -21,7 +21,7 @@ SINGLE = (*CURVED, "plane")
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class LabelledPart:
     """How one primitive calls its features.
 
     path: names of the solids around it, outermost first, joined by dots.
@@ -54,9 +54,9 @@ class Names:
     the curved face; else the later operand.
     """
 
-    def __init__(self, name: str | None, parts: Sequence[Part], surfaces: Sequence[Surface]) -> None:
+    def __init__(self, name: str | None, parts: Sequence[LabelledPart], surfaces: Sequence[Surface]) -> None:
         paths = [".".join(x for x in (name, p.path) if x) for p in parts]
-        self.parts = [Part(path, p.labels, p.edges, p.cuts) for path, p in zip(paths, parts, strict=True)]
+        self.parts = [LabelledPart(path, p.labels, p.edges, p.cuts) for path, p in zip(paths, parts, strict=True)]
         self.surfaces = surfaces
         self._owners: dict[tuple[int, int], _Owner] = {}
         for k, part in enumerate(parts):
@@ -127,7 +127,7 @@ class Names:
                 where = "/".join(rim.others)
             rim.name = part.full(f"rim.{where}")
 
-    def _heights(self, part: Part, rims: list[_Named]) -> list[float | None]:
+    def _heights(self, part: LabelledPart, rims: list[_Named]) -> list[float | None]:
         """Mean height of the edges along the primitive's axis, from bottom to top; None where that is unknown."""
         for i, side, label in part.labels:
             surface = self.surfaces[i]

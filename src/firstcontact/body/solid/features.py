@@ -40,7 +40,7 @@ from firstcontact.body.solid.carriers import (
 from firstcontact.body.solid.csg import Tree, inside, outcomes, pattern
 from firstcontact.body.solid.intersections import common_curves, line
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent, patterns
-from firstcontact.body.solid.regions import Reach, Region, Regions, holds, holds_ball, hull, simplified
+from firstcontact.body.solid.regions import Region, Regions, SurfaceReach, holds, holds_ball, hull, simplified
 from firstcontact.body.solid.trimming import BITS, INFINITY, Arc, Break, Loop, Trimmed, largest, trim
 from firstcontact.exact.numbers import dyadic, precision, to_double
 
@@ -66,7 +66,7 @@ class Face:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class EdgePiece:
     """A part of an edge, lo <= parameter <= hi of `Edge.points`; start, end: vertex numbers, None at infinity and on
     closed curves."""
 
@@ -89,7 +89,7 @@ class Edge:
     carrier: Line | Conic | QuarticCurve
     surfaces: tuple[int, ...]
     convexity: str
-    pieces: tuple[Piece, ...]
+    pieces: tuple[EdgePiece, ...]
     faces: tuple[int, ...]
     frame: Any
     """(4, 2) float64: X(s) = frame (s, 1), s a length; (4, 3): X(t) = frame (1, cos t, sin t).
@@ -119,7 +119,7 @@ class EdgeFields(TypedDict, total=False):
     carrier: Curve
     surfaces: tuple[int, ...]
     convexity: str
-    pieces: tuple[Piece, ...]
+    pieces: tuple[EdgePiece, ...]
     faces: tuple[int, ...]
     frame: np.ndarray
 
@@ -167,8 +167,9 @@ class _Traced:
 
 
 def derive(
-    tree: Tree, surfaces: Sequence[Surface], names: Names, box: Callable[[], Region | None], reaches: Sequence[Reach]
-) -> Features:
+    tree: Tree, surfaces: Sequence[Surface], names: Names, box: Callable[[], Region | None],
+    reaches: Sequence[SurfaceReach],
+) -> Features:  # fmt: skip
     """All features.
 
     names tells how to call them, box finds a box that holds the solid (asked only if needed), reaches tell where each
@@ -622,10 +623,10 @@ def _line_frame(loop: Loop, sample: Arc) -> np.ndarray:
     return np.array([[*d, 0.0], [*foot, 1.0]]).T
 
 
-def _piece(run: _Run, loop: Loop, frame: np.ndarray, corners: _Corners) -> Piece:
+def _piece(run: _Run, loop: Loop, frame: np.ndarray, corners: _Corners) -> EdgePiece:
     is_line = frame.shape[1] == 2
     if run.start is None:
-        return Piece(0.0, 2 * math.pi, None, None)
+        return EdgePiece(0.0, 2 * math.pi, None, None)
     assert run.end is not None
     ends = [parameter(_homogeneous(loop, b.root.ball, b.sheet), frame) for b in (run.start, run.end)]
     at = parameter(_homogeneous(loop, run.sample.m, run.sample.sheet), frame)
@@ -634,22 +635,22 @@ def _piece(run: _Run, loop: Loop, frame: np.ndarray, corners: _Corners) -> Piece
         return _line_piece(ends, [b.finite for b in (run.start, run.end)], at, numbers)
     lo, hi = ends
     if run.start is run.end:
-        return Piece(lo, lo + 2 * math.pi, numbers[0], numbers[0])
+        return EdgePiece(lo, lo + 2 * math.pi, numbers[0], numbers[0])
     if (at - lo) % (2 * math.pi) > (hi - lo) % (2 * math.pi):
         lo, hi, numbers = hi, lo, numbers[::-1]
-    return Piece(lo, lo + (hi - lo) % (2 * math.pi), *numbers)
+    return EdgePiece(lo, lo + (hi - lo) % (2 * math.pi), *numbers)
 
 
-def _line_piece(ends: list[float], finite: list[bool], at: float, numbers: list[int | None]) -> Piece:
+def _line_piece(ends: list[float], finite: list[bool], at: float, numbers: list[int | None]) -> EdgePiece:
     if not any(finite):
-        return Piece(-math.inf, math.inf, None, None)
+        return EdgePiece(-math.inf, math.inf, None, None)
     if all(finite):
         order = (0, 1) if ends[0] <= ends[1] else (1, 0)
-        return Piece(ends[order[0]], ends[order[1]], numbers[order[0]], numbers[order[1]])
+        return EdgePiece(ends[order[0]], ends[order[1]], numbers[order[0]], numbers[order[1]])
     k = finite.index(True)
     if at < ends[k]:
-        return Piece(-math.inf, ends[k], None, numbers[k])
-    return Piece(ends[k], math.inf, numbers[k], None)
+        return EdgePiece(-math.inf, ends[k], None, numbers[k])
+    return EdgePiece(ends[k], math.inf, numbers[k], None)
 
 
 def _homogeneous(loop: Loop, m: fmpq | arb, sheet: int) -> np.ndarray:

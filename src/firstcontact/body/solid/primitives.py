@@ -22,7 +22,7 @@ from firstcontact.body.solid.carriers import (
 )
 from firstcontact.body.solid.composite_quadric import LEAST, CompositeQuadric, form_of, solid
 from firstcontact.body.solid.csg import And, Leaf, Not, Or
-from firstcontact.body.solid.feature_names import Part
+from firstcontact.body.solid.feature_names import LabelledPart
 from firstcontact.body.solid.intersections import linear_factors
 from firstcontact.body.solid.recipe import recorded
 from firstcontact.errors import InputError, shown
@@ -222,7 +222,7 @@ def _plane_pair(form: Rows, name: str | None) -> CompositeQuadric:
     first, second = Leaf(0), Leaf(1)
     apart = Or(And(first, Not(second)), And(Not(first), second))
     labels = ((0, 1, "plane 1"), (0, -1, "plane 1"), (1, 1, "plane 2"), (1, -1, "plane 2"))
-    return CompositeQuadric(finite, apart if same_sign else Not(apart), [Part("", labels)], name=name)
+    return CompositeQuadric(finite, apart if same_sign else Not(apart), [LabelledPart("", labels)], name=name)
 
 
 # -- half-spaces --------------------------------------------------------------------------------------------

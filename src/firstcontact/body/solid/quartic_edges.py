@@ -19,12 +19,12 @@ from flint import arb, arb_mat, fmpq, fmpq_mat
 
 from firstcontact.body.solid.carriers import EnclosedPoint, Quadric, QuarticCurve, Surface, doubles
 from firstcontact.body.solid.csg import Tree, outcomes
-from firstcontact.body.solid.features import EDGE_KINDS, Piece, enclosure
+from firstcontact.body.solid.features import EDGE_KINDS, EdgePiece, enclosure
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent
 from firstcontact.body.solid.regions import Region, Regions, holds_ball, hull
 from firstcontact.body.solid.trimming import BITS
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.curves.quadric_curve import Branch, Degenerate, End, Sweep, swept
+from firstcontact.exact.curves.quadric_curve import Branch, BranchSweep, Degenerate, QuadricEnd, swept
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision
 from firstcontact.exact.vectors import cross
 
@@ -72,7 +72,7 @@ class QuarticEdge:
             frame = np.concatenate([s.points for s in own])
             last = np.cumsum([len(s.points) for s in own])
             pieces = tuple(
-                Piece(float(end - len(s.points)), float(end - 1), _number(s.start), _number(s.end))
+                EdgePiece(float(end - len(s.points)), float(end - 1), _number(s.start), _number(s.end))
                 for s, end in zip(own, last, strict=True)
             )
             sides = sorted({numbers[side] for s in own for side in s.profile.faces})
@@ -218,7 +218,7 @@ Way = tuple[Branch, bool]
 class _Link:
     """Where two ends of branches meet: the point (x, y, z), and the corner there, if any."""
 
-    ends: tuple[End, End]
+    ends: tuple[QuadricEnd, QuadricEnd]
     point: list[arb]
     corner: Any = None
 
@@ -234,7 +234,7 @@ class _Curve:
     box: Region
     known: Sequence[int]
     """Signs of forms that have one all over the box."""
-    sweep: Sweep = field(init=False)
+    sweep: BranchSweep = field(init=False)
     profiles: dict[Branch, Profile] = field(default_factory=dict)
     links: dict[Way, _Link] = field(default_factory=dict)
     planes: dict[int, dict[float, np.ndarray]] = field(default_factory=dict)
@@ -293,14 +293,14 @@ class _Curve:
                 if self._changes(pair):
                     link.corner = self._corner(pair, link.point)
 
-    def _changes(self, pair: tuple[End, End]) -> bool:
+    def _changes(self, pair: tuple[QuadricEnd, QuadricEnd]) -> bool:
         """Whether another surface is crossed, or the solid looks different on the two sides."""
         first, second = (end.branch for end in pair)
         a, b = (self.profiles.get(branch) for branch in (first, second))
         same = a is b or (a is not None and b is not None and (a.kind, a.faces) == (b.kind, b.faces))
         return first.signs != second.signs or not same
 
-    def _corner(self, pair: tuple[End, End], point: list[arb]) -> Any:
+    def _corner(self, pair: tuple[QuadricEnd, QuadricEnd], point: list[arb]) -> Any:
         """The corner where the curve crosses another surface; or a singular point of the curve, not proved."""
         signs = (end.branch.signs for end in pair)
         changed = [k for k, s, t in zip(self.rest, *signs, strict=True) if s != t]
@@ -410,7 +410,7 @@ class _Curve:
         return inner
 
 
-def _straight(ends: list[End]) -> list[tuple[End, End]]:
+def _straight(ends: list[QuadricEnd]) -> list[tuple[QuadricEnd, QuadricEnd]]:
     """The ends that meet in one point, two by two, such that branches turn least."""
     if len(ends) == 2:
         return [(ends[0], ends[1])]
@@ -423,13 +423,13 @@ def _straight(ends: list[End]) -> list[tuple[End, End]]:
         for branch, upper, point in ends:
             offs[branch, upper] = np.array([float((p - c) / size) for p, c in zip(point, centre, strict=True)])
 
-    def bend(matching: list[tuple[End, End]]) -> float:
+    def bend(matching: list[tuple[QuadricEnd, QuadricEnd]]) -> float:
         return sum(float(np.linalg.norm(offs[a.branch, a.upper] + offs[b.branch, b.upper])) for a, b in matching)
 
     return min(_matchings(ends), key=bend)
 
 
-def _matchings(ends: list[End]) -> Iterator[list[tuple[End, End]]]:
+def _matchings(ends: list[QuadricEnd]) -> Iterator[list[tuple[QuadricEnd, QuadricEnd]]]:
     if not ends:
         yield []
     for k in range(1, len(ends)):
@@ -437,7 +437,7 @@ def _matchings(ends: list[End]) -> Iterator[list[tuple[End, End]]]:
             yield [(ends[0], ends[k]), *rest]
 
 
-def _middle(ends: Sequence[End]) -> list[arb]:
+def _middle(ends: Sequence[QuadricEnd]) -> list[arb]:
     return [arb((sum(c, arb(0)) / len(ends)).mid()) for c in zip(*(end.point for end in ends), strict=True)]
 
 

@@ -35,7 +35,7 @@ _MANY, _HALVINGS, _MOST_CELLS = range(12, 64), 6, 4000
 _AT_ONCE = 10_000
 
 
-class Reach(NamedTuple):
+class SurfaceReach(NamedTuple):
     """Of a surface of a solid.
 
     box: exact corners of a box in which it may bound the solid, None for all of space.
@@ -46,10 +46,10 @@ class Reach(NamedTuple):
     outside: int
 
 
-def reaches_of(tree: Tree, count: int, box: Box | None) -> tuple[Reach, ...]:
+def reaches_of(tree: Tree, count: int, box: Box | None) -> tuple[SurfaceReach, ...]:
     """Of the surfaces of a primitive, or of a solid that is taken as it is."""
     leaves = leaves_of(tree)
-    return tuple(Reach(box, leaves.get(i, 0)) for i in range(count))
+    return tuple(SurfaceReach(box, leaves.get(i, 0)) for i in range(count))
 
 
 def leaves_of(tree: Tree) -> dict[int, int]:
@@ -94,7 +94,7 @@ def _hull_of(cells: _Cells, which: np.ndarray) -> Region | None:
 class Regions:
     """Of all surfaces of one solid."""
 
-    def __init__(self, surfaces: Sequence[Surface], reaches: Sequence[Reach]) -> None:
+    def __init__(self, surfaces: Sequence[Surface], reaches: Sequence[SurfaceReach]) -> None:
         self.forms = np.array([doubles(s.matrix()) for s in surfaces]).reshape(-1, 4, 4)
         boxes = [_enlarged(reach.box) for reach in reaches]
         own = [_on_plane(s, box) if isinstance(s, Plane) else box for s, box in zip(surfaces, boxes, strict=True)]

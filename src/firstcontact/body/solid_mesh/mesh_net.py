@@ -26,7 +26,7 @@ class Crossing(Exception):
         self.segments = segments
 
 
-class Net:
+class SphereNet:
     """A triangulation of the whole sphere, first the convex hull of a few rays about the origin."""
 
     def __init__(self, base: np.ndarray) -> None:

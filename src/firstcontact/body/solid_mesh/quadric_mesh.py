@@ -19,7 +19,7 @@ from firstcontact.body.polyhedron.topology import component_of_vertices
 from firstcontact.body.solid.csg import inside
 from firstcontact.body.solid_mesh.mesh_charts import Chart, charts
 from firstcontact.body.solid_mesh.mesh_curves import Samples
-from firstcontact.body.solid_mesh.mesh_net import Crossing, Net
+from firstcontact.body.solid_mesh.mesh_net import Crossing, SphereNet
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.rigid import Vector, to_origin
 
@@ -218,7 +218,7 @@ def _skin(
     chords: list[tuple[int, int]],
     crossing: set[tuple[int, int]],
 ) -> _Skin:
-    net = Net(chart.base)
+    net = SphereNet(chart.base)
     base = len(chart.base)
     rays = chart.rays(points)
     row = {int(k): r for r, k in enumerate(on)}

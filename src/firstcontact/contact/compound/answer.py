@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
-from firstcontact.body.compound.compound import Piece, deviation_of
-from firstcontact.contact.compound.windows import Side, Window
+from firstcontact.body.compound.compound import CompoundPiece, deviation_of
+from firstcontact.contact.compound.windows import CompoundSide, PairWindow
 from firstcontact.motion.moving import shape_of
 from firstcontact.result import (
     MOST_OTHERS,
@@ -23,15 +23,15 @@ from firstcontact.result import (
 )
 from firstcontact.work import Query
 
-Sides = tuple[Side, Side]
+Sides = tuple[CompoundSide, CompoundSide]
 
 
 @dataclass(frozen=True)
-class Told:
+class PieceAnswer:
     """An answer about two pieces of two bodies."""
 
     sides: Sides
-    window: Window
+    window: PairWindow
     found: FirstContact
 
     @cached_property
@@ -59,7 +59,7 @@ def about_models(query: Query) -> dict[str, Any]:
 
 
 def combined(
-    query: Query, sides: Sides, told: Sequence[Told], is_within_deviation: Callable[[], bool | None]
+    query: Query, sides: Sides, told: Sequence[PieceAnswer], is_within_deviation: Callable[[], bool | None]
 ) -> FirstContact:
     """The first contact of the bodies; is_within_deviation: of a start in contact, asked when it is first read."""
     stats = query.stats()
@@ -96,12 +96,14 @@ def _width(query: Query) -> float:
     return hi - lo if math.isfinite(hi) else max(1.0, abs(lo))
 
 
-def _interval(x: Told) -> tuple[float, float]:
+def _interval(x: PieceAnswer) -> tuple[float, float]:
     assert x.found.time_interval is not None
     return x.found.time_interval
 
 
-def _contact(sides: Sides, met: list[Told], interval: tuple[float, float], known: dict[str, Any]) -> FirstContact:
+def _contact(
+    sides: Sides, met: list[PieceAnswer], interval: tuple[float, float], known: dict[str, Any]
+) -> FirstContact:
     """CONTACT of those pieces that may all touch first: told of the earliest whose elements are the bodies' own."""
     ordered = sorted(met, key=lambda x: (x.found.time, x.window.a, x.window.b))
     first = next((x for x in ordered if x.named), ordered[0])
@@ -123,7 +125,7 @@ def _contact(sides: Sides, met: list[Told], interval: tuple[float, float], known
     return FirstContact.deferring(told, place)
 
 
-def _element(side: Side, piece: Piece | None, element: Element, which: str) -> Element | None:
+def _element(side: CompoundSide, piece: CompoundPiece | None, element: Element, which: str) -> Element | None:
     return element if piece is None else piece.element(element, side.name or which)
 
 
@@ -133,7 +135,7 @@ def _nameless(sides: Sides) -> ElementPair:
     return ElementPair(*(Element("face", name, -1, name) for name in names))
 
 
-def _initial(query: Query, sides: Sides, met: list[Told], known: dict[str, Any]) -> FirstContact:
+def _initial(query: Query, sides: Sides, met: list[PieceAnswer], known: dict[str, Any]) -> FirstContact:
     """INITIAL_CONTACT.  How the bodies lie to each other follows from their pieces, but for one inside the other."""
     kinds = {x.found.initial for x in met}
     kind: str | None

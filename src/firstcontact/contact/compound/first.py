@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from flint import fmpq
 
 from firstcontact.body.compound.compound import both_taken_in, deviation_of
-from firstcontact.contact.compound.answer import Told, combined, joined
-from firstcontact.contact.compound.windows import Window, side_of, windows
+from firstcontact.contact.compound.answer import PieceAnswer, combined, joined
+from firstcontact.contact.compound.windows import PairWindow, side_of, windows
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, above, below, exact_value
 from firstcontact.motion.moving import shape_of
@@ -22,7 +22,7 @@ from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
-    from firstcontact.contact.compound.windows import Side
+    from firstcontact.contact.compound.windows import CompoundSide
 
 
 ROOM = fmpq(7, 8)
@@ -36,18 +36,18 @@ def first(query: Query) -> FirstContact:
     _refuse(query)
     sides = side_of(query.a), side_of(query.b)
     asked = windows(*sides, query)
-    told: list[Told] = []
+    told: list[PieceAnswer] = []
     end, left, enough = query.last, query.budget, None
     for k, window in enumerate(asked):
         if end is not None and window.first > end:
             break
         if left is not None and left <= 0:
-            told.append(Told(sides, window, _spent(query, window)))
+            told.append(PieceAnswer(sides, window, _spent(query, window)))
             break
         found = _asked(table.first_contact, _sharply(_about(query, sides, window, end, left, enough), query))
         if left is not None:
             left -= found.stats.node_visits + found.stats.pair_tests + found.stats.exact_evaluations
-        told.append(Told(sides, window, found))
+        told.append(PieceAnswer(sides, window, found))
         if found.status is Status.CONTACT or found.status is Status.INITIAL_CONTACT:
             assert found.time_interval is not None
             # others that touch just as soon cost as much again: they are asked only where the time itself is wanted, or
@@ -78,7 +78,7 @@ def _is_within_deviation(query: Query) -> bool | None:
 
 
 def _about(
-    query: Query, sides: tuple[Side, Side], window: Window, end: fmpq | None, left: int | None,
+    query: Query, sides: tuple[CompoundSide, CompoundSide], window: PairWindow, end: fmpq | None, left: int | None,
     enough: fmpq | None = None,
 ) -> Query:  # fmt: skip
     """The question about two pieces, up to the end of their window or the first contact known."""
@@ -107,7 +107,7 @@ def _asked(ask: Callable[[Query], FirstContact], query: Query) -> FirstContact:
         return FirstContact(Status.UNDECIDED, free_until=start, reason="precision", **query.shared)
 
 
-def _spent(query: Query, window: Window) -> FirstContact:
+def _spent(query: Query, window: PairWindow) -> FirstContact:
     free_until = max(query.span[0], below(window.first))
     return FirstContact(Status.UNDECIDED, free_until=free_until, reason="budget", span=query.span)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.compound.compound import Compound, Piece
+from firstcontact.body.compound.compound import Compound, CompoundPiece
 from firstcontact.body.kept import Kept
 from firstcontact.exact.numbers import above, below, to_double
 from firstcontact.motion.moving import Moving, drift_of, shape_of
@@ -37,11 +37,11 @@ _REACH = Kept[float]()
 
 
 @dataclass(frozen=True)
-class Side:
+class CompoundSide:
     """A body of the question as its pieces, each under the body's motion; `piece` is None of a body without pieces."""
 
     body: Any
-    pieces: tuple[Piece | None, ...]
+    pieces: tuple[CompoundPiece | None, ...]
     bodies: tuple[Any, ...]
 
     @property
@@ -93,16 +93,16 @@ def _along(vector: np.ndarray, lo: np.ndarray, hi: np.ndarray, times: np.ndarray
     return lo + (ways.min(axis=1) - pad)[:, None], hi + (ways.max(axis=1) + pad)[:, None]
 
 
-def side_of(body: Body) -> Side:
+def side_of(body: Body) -> CompoundSide:
     shape = shape_of(body)
     if not isinstance(shape, Compound):
-        return Side(body, (None,), (body,))
+        return CompoundSide(body, (None,), (body,))
     bodies = tuple(Moving(x.body, body.motion) if isinstance(body, Moving) else x.body for x in shape.pieces)
-    return Side(body, shape.pieces, bodies)
+    return CompoundSide(body, shape.pieces, bodies)
 
 
 @dataclass(frozen=True, order=True)
-class Window:
+class PairWindow:
     """A stretch of time in which two pieces, by their numbers, may meet; outside of their windows they do not."""
 
     first: fmpq
@@ -111,7 +111,7 @@ class Window:
     b: int
 
 
-def windows(a: Side, b: Side, query: Query) -> list[Window]:
+def windows(a: CompoundSide, b: CompoundSide, query: Query) -> list[PairWindow]:
     """All of them, in order of time."""
     shift = _shift_of(a, b, query)
     if shift is not None:
@@ -120,11 +120,11 @@ def windows(a: Side, b: Side, query: Query) -> list[Window]:
     all_a, all_b = np.arange(len(a.bodies)), np.arange(len(b.bodies))
     pairs = overlapping(a.boxes(all_a, whole), b.boxes(all_b, whole))
     if len(pairs) <= FEW or query.last is None or query.last <= query.first:
-        return [Window(query.first, query.last, i, j) for i, j in pairs.tolist()]
+        return [PairWindow(query.first, query.last, i, j) for i, j in pairs.tolist()]
     return sorted(_runs(a, b, query, pairs))
 
 
-def _shift_of(a: Side, b: Side, query: Query) -> np.ndarray | None:
+def _shift_of(a: CompoundSide, b: CompoundSide, query: Query) -> np.ndarray | None:
     """(3,) by which a is shifted in one unit of time as seen from b; None where they do more than shift, are unbounded
     or the span is a short one far from 0."""
     vectors = [_drift_of(side.body) for side in (a, b)]
@@ -147,7 +147,7 @@ def _drift_of(body: Body) -> Vector | None:
     return None if getattr(shape_of(body), "deforming", False) else drift_of(body)
 
 
-def _while_boxes_meet(a: Side, b: Side, query: Query, shift: np.ndarray) -> Iterator[Window]:
+def _while_boxes_meet(a: CompoundSide, b: CompoundSide, query: Query, shift: np.ndarray) -> Iterator[PairWindow]:
     """The time in which the boxes of each pair overlap, with some room: they are free when it begins.
 
     Room is a whole step of the grid of times, which is far beyond what rounding does to these.
@@ -168,10 +168,10 @@ def _while_boxes_meet(a: Side, b: Side, query: Query, shift: np.ndarray) -> Iter
     meet = (enter <= leave) & (starts < stops) & ((least <= 0.0) & (most >= 0.0))[..., still].all(axis=2)
     for i, j in np.argwhere(meet).tolist():
         start, stop = (first + span * fmpq(int(x[i, j]), STEPS) for x in (starts, stops))
-        yield Window(start, stop, i, j)
+        yield PairWindow(start, stop, i, j)
 
 
-def _runs(a: Side, b: Side, query: Query, pairs: np.ndarray) -> Iterator[Window]:
+def _runs(a: CompoundSide, b: CompoundSide, query: Query, pairs: np.ndarray) -> Iterator[PairWindow]:
     """The slabs in which each pair may meet, neighbouring ones joined."""
     of_a, of_b = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
     i, j = np.searchsorted(of_a, pairs[:, 0]), np.searchsorted(of_b, pairs[:, 1])
@@ -184,7 +184,7 @@ def _runs(a: Side, b: Side, query: Query, pairs: np.ndarray) -> Iterator[Window]
     for k, (one, other) in enumerate(pairs.tolist()):
         starts, stops = np.flatnonzero(change[:, k] > 0), np.flatnonzero(change[:, k] < 0)
         for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
-            yield Window(ends[start], ends[stop], one, other)
+            yield PairWindow(ends[start], ends[stop], one, other)
 
 
 def overlapping(a: Boxes, b: Boxes) -> np.ndarray:

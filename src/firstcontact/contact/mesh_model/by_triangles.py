@@ -30,12 +30,12 @@ from firstcontact.contact.mesh_model.patches import (
     triangles_at_edge,
     triangles_at_vertex,
 )
-from firstcontact.contact.models.algorithm import Meeting, Search
+from firstcontact.contact.models.algorithm import CandidateSearch, Meeting
 from firstcontact.contact.models.answer import contact_of
 from firstcontact.contact.models.at_rest import overlap
 from firstcontact.contact.models.certified import Directions, bounded, may_share_more, on_model
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.contact.models.touched import ACROSS
 from firstcontact.contact.ways import Passed, Way, answered, tried
 from firstcontact.errors import UnsupportedPair
@@ -358,8 +358,8 @@ class _Answer:
         for group in self._groups(swept.open):
             thin: Any = self._patch(group, window)
             for piece in relative_pieces(a, b, fmpq(0), fmpq(0)):
-                pair = Pair(thin, self.model, piece) if self.mesh_is_a else Pair(self.model, thin, piece)
-                search = Search(pair, self.work)
+                pair = MovingPair(thin, self.model, piece) if self.mesh_is_a else MovingPair(self.model, thin, piece)
+                search = CandidateSearch(pair, self.work)
                 if meetings := search.at_start():
                     seen = contact_of(search, meetings, False, {**self.shared, "a": a, "b": b})
                     until = swept.free_until
@@ -403,7 +403,7 @@ class _Answer:
         first = min((hi for _, hi, _ in seen), default=math.inf)
         return [x for lo, _, x in seen if lo <= first]
 
-    def _searches(self, group: list[Open], window: Window, only_start: bool = False) -> Iterator[Search]:
+    def _searches(self, group: list[Open], window: Window, only_start: bool = False) -> Iterator[CandidateSearch]:
         """The exact searches over the pieces of the relative motion in the window."""
         thin: Any = self._patch(group, window)
         first = max(self.first, fmpq(*window.first.as_integer_ratio()))
@@ -414,7 +414,8 @@ class _Answer:
         for piece in relative_pieces(*bodies, first, last):
             if not piece.exact:
                 raise UnsupportedPair(f"{piece.of}: the pose before this step is irrational")
-            yield Search(Pair(thin, self.model, piece) if self.mesh_is_a else Pair(self.model, thin, piece), self.work)
+            first_model, second_model = (thin, self.model) if self.mesh_is_a else (self.model, thin)
+            yield CandidateSearch(MovingPair(first_model, second_model, piece), self.work)
 
     def _patch(self, group: list[Open], window: Window) -> Patch:
         primitives = {x.primitive for x in group}
@@ -430,7 +431,7 @@ class _Answer:
             raise UnsupportedPair("a part of the model is too small for doubles")
         return placed
 
-    def _touching(self, left: list[Open], window: Window) -> tuple[Search, list[Meeting]] | None:
+    def _touching(self, left: list[Open], window: Window) -> tuple[CandidateSearch, list[Meeting]] | None:
         """The first of the triangles found to touch the model at the start, exactly."""
         for x in left:
             if x.free_until <= window.first:
@@ -465,7 +466,7 @@ class _Answer:
         apart = all(place.relation is Relation.APART for place in seen.values())
         return None if apart else self._undecided(self.span[0], "precision")
 
-    def _touching_result(self, search: Search, meetings: list[Meeting], left: list[Open]) -> FirstContact:
+    def _touching_result(self, search: CandidateSearch, meetings: list[Meeting], left: list[Open]) -> FirstContact:
         near = [x for x in left if x.free_until <= self.windows[0].first]
         seen = contact_of(search, meetings, False, self.shared)
         return self._at_start(
@@ -474,7 +475,7 @@ class _Answer:
             multiplicity=seen.multiplicity, contact_set=seen.contact_set,
         )  # fmt: skip
 
-    def _interiors_apart(self, search: Search, near: list[Open]) -> bool:
+    def _interiors_apart(self, search: CandidateSearch, near: list[Open]) -> bool:
         """Whether nothing that may touch at the start holds a point inside the model; True is proved.
 
         A plane that parts a triangle from a convex part has the triangle's prism on one of its two sides behind it.
@@ -491,7 +492,7 @@ class _Answer:
     def _apart_on_a_side(self, x: Open, piece: PolynomialPiece) -> bool:
         points = [self.mesh.exact_vertex(i) for i in self.mesh.triangles[x.primitive].tolist()]
         pairs = ((solid, self.model) if self.mesh_is_a else (self.model, solid) for solid in prisms(points))
-        return any(not overlap(Pair(*pair, piece), piece.u_lo) for pair in pairs)
+        return any(not overlap(MovingPair(*pair, piece), piece.u_lo) for pair in pairs)
 
 
 def _standing(body: Body, t: fmpq) -> Moving | None:

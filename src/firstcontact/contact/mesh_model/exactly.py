@@ -19,12 +19,12 @@ from firstcontact.contact.mesh_model.by_triangles import holds_model, windows_of
 from firstcontact.contact.mesh_model.mesh_holes import search_of
 from firstcontact.contact.mesh_model.mesh_starts import Standing
 from firstcontact.contact.mesh_model.patches import patch
-from firstcontact.contact.models.algorithm import Candidate, Search
+from firstcontact.contact.models.algorithm import Candidate, CandidateSearch
 from firstcontact.contact.models.answer import world_time
 from firstcontact.contact.models.at_rest import pose_at
 from firstcontact.contact.models.certified import bounded
 from firstcontact.contact.models.exact_windows import decided_intervals
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import below, exact_value, to_double
@@ -63,7 +63,7 @@ class _Bodies:
 
 
 @dataclass
-class _MeshSearch(Search):
+class _MeshSearch(CandidateSearch):
     """Between two candidates the surfaces share a point all the time or never."""
 
     bodies: _Bodies | None = None
@@ -104,7 +104,7 @@ class _MeshSearch(Search):
         return holds_model(self.bodies.search, self.bodies.mesh, window._replace(first=t, last=t, inner=t))
 
 
-def _searches(query: Query, work: Work) -> Iterator[Search]:
+def _searches(query: Query, work: Work) -> Iterator[CandidateSearch]:
     """One for every piece of the relative motion."""
     a, b = query.bodies
     mesh_is_a = isinstance(shape_of(a), Polyhedron)
@@ -124,4 +124,5 @@ def _searches(query: Query, work: Work) -> Iterator[Search]:
         if not piece.exact:
             raise UnsupportedPair(f"{piece.of}: the pose before this step is irrational")
         work.free_until = below(piece.start)
-        yield _MeshSearch(Pair(thin, model, piece) if mesh_is_a else Pair(model, thin, piece), work, bodies=bodies)
+        first_model, second_model = (thin, model) if mesh_is_a else (model, thin)
+        yield _MeshSearch(MovingPair(first_model, second_model, piece), work, bodies=bodies)

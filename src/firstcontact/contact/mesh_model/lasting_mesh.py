@@ -15,7 +15,7 @@ from firstcontact.exact.numbers import Undecidable, exact_value, precision
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.trees.containment import contains
 from firstcontact.search.trees.frame import tree_of
-from firstcontact.timeline.lasting import BITS, Lasting, Solid, linear
+from firstcontact.timeline.lasting import BITS, Lasting, LastingSolid, linear
 
 U = 2.0**-53
 DEEP = 64
@@ -38,7 +38,7 @@ class MeshPoint(NamedTuple):
 class LastingOfMesh(Lasting["MeshPoint | Pierced"]):
     """tips: tells of triangles that tips of the model have passed, if it is there."""
 
-    def __init__(self, mesh: Polyhedron, solid: Solid, mesh_is_a: bool, tips: TipWays | None = None) -> None:
+    def __init__(self, mesh: Polyhedron, solid: LastingSolid, mesh_is_a: bool, tips: TipWays | None = None) -> None:
         super().__init__()
         self.mesh, self.solid, self.mesh_is_a, self.tips = mesh, solid, mesh_is_a, tips
         self.tree = tree_of(mesh)

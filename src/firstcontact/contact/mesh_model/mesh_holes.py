@@ -32,9 +32,9 @@ from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Tou
 from firstcontact.search.events import events
 from firstcontact.search.events.charts import NotCharted, charts_of
 from firstcontact.search.events.event_tables import crossing_surfaces, tables_of
-from firstcontact.search.events.instants import Instant
-from firstcontact.search.events.shared_points import Event, events_in
-from firstcontact.timeline.lasting import Solid, linear
+from firstcontact.search.events.instants import PlacedForms
+from firstcontact.search.events.shared_points import SharedEvent, events_in
+from firstcontact.timeline.lasting import LastingSolid, linear
 from firstcontact.work import Progress
 
 MOST_TRIANGLES = 10
@@ -102,7 +102,7 @@ class HoledSearch(MeshSearch):
         pieces = _cover(model)
         super().__init__(mesh, pieces, mesh_is_a, budget, progress)
         self.mesh, self.model = mesh, model
-        self.lasting = LastingOfMesh(mesh, Solid(model), mesh_is_a)
+        self.lasting = LastingOfMesh(mesh, LastingSolid(model), mesh_is_a)
         self.groups: dict[tuple[int, ...], _Group] = {}
 
     # -- the searches ----------------------------------------------------------------------------------------
@@ -260,7 +260,7 @@ class HoledSearch(MeshSearch):
 
     def _touch(self, group: _Group, stop: _Stop, window: Window, width: float) -> Touch | None:
         """The contact in a slab, if one of the triangles is proved to hold a point of the model soon after."""
-        instant = Instant(group.tables, window, stop.search.scratch)
+        instant = PlacedForms(group.tables, window, stop.search.scratch)
         found = events_in(stop.search.bodies, instant, stop.boxes, stop.lo, stop.lo + 0.98 * width)
         lasting = self.lasting.on(group.triangles)
         for event in found:
@@ -272,8 +272,9 @@ class HoledSearch(MeshSearch):
         return None
 
     def _named(
-        self, group: _Group, instant: Instant, stop: _Stop, window: Window, at: float, event: Event, where: np.ndarray
-    ) -> Touch:
+        self, group: _Group, instant: PlacedForms, stop: _Stop, window: Window, at: float,
+        event: SharedEvent, where: np.ndarray,
+    ) -> Touch:  # fmt: skip
         """The contact proved at `at` near an event."""
         time = min(max(event.time, stop.lo), at)
         instant.place(time, time)
@@ -371,7 +372,7 @@ def _first(x: Touch, y: Touch) -> Touch:
     return replace(first, hi=hi, time=min(first.time, hi), alone=x.alone and y.alone and together)
 
 
-def _place(instant: Instant, event: Event) -> np.ndarray:
+def _place(instant: PlacedForms, event: SharedEvent) -> np.ndarray:
     """(3,) where the event is, in the world."""
     instant.place(event.time, event.time)
     pose = instant.poses()[event.side]

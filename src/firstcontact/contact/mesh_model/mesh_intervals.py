@@ -33,8 +33,8 @@ from firstcontact.motion.relative.stretches import Window
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.convex.mesh_advance import BACK, Swept
 from firstcontact.timeline.answers import likely_time, proved_intervals
-from firstcontact.timeline.lasting import Solid
-from firstcontact.timeline.sweep import Open, Sweep, Touch
+from firstcontact.timeline.lasting import LastingSolid
+from firstcontact.timeline.sweep import FirstTouch, TimeSweep, Unproved
 from firstcontact.work import Query, Spent, Work
 
 
@@ -93,7 +93,7 @@ def first_by_points(query: Query) -> FirstContact:
     point where no others are possible."""
     try:
         found = _sweep_of(query, query.work(), False).first()
-    except Open as stopped:
+    except Unproved as stopped:
         raise UnsupportedPair(f"no common point is proved at {stopped.time}") from stopped
     if found is None:
         return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(), **query.shared)
@@ -119,7 +119,8 @@ def _sweep_of(query: Query, work: Work, with_exact: bool) -> _MeshSweep:
     tips = None
     if ways := ways_of(model):
         tips = TipWays(mesh, ways, curved_pieces(moving_mesh, moving_model, query.first, query.end), parts)
-    free, lasting = _Free(mesh, model, mesh_is_a, width, work), LastingOfMesh(mesh, Solid(model), mesh_is_a, tips)
+    free = _Free(mesh, model, mesh_is_a, width, work)
+    lasting = LastingOfMesh(mesh, LastingSolid(model), mesh_is_a, tips)
 
     def touches_at_start() -> np.ndarray | None:
         return first(replace(query, last=query.first, budget=None, progress=None)).point
@@ -133,25 +134,25 @@ def _sweep_of(query: Query, work: Work, with_exact: bool) -> _MeshSweep:
     return sweep
 
 
-class _MeshSweep(Sweep[Window]):
+class _MeshSweep(TimeSweep[Window]):
     """Where doubles do not tell when contact begins, exact arithmetic may be asked for the first one between two times.
     """
 
     exactly: Callable[[float, float], FirstContact] | None
 
-    def first(self) -> Touch | None:
+    def first(self) -> FirstTouch | None:
         """The first contact after a start that is free; None where there is none.  Raises Open."""
         for window in self.windows:
             if not self.free.at(window, window.first):
-                raise Open(window.first)
+                raise Unproved(window.first)
             found = self.touch(window, window.first, window.last)
             if found is not None and not found.sure:
-                raise Open(found.lo)
+                raise Unproved(found.lo)
             if found is not None:
                 return found
         return None
 
-    def touch(self, window: Window, t: float, end: float) -> Touch | None:
+    def touch(self, window: Window, t: float, end: float) -> FirstTouch | None:
         found = super().touch(window, t, end)
         is_forward = any(window is x for x in self.windows)  # no mirror
         if self.exactly is None or found is None or found.sure or not is_forward:
@@ -162,7 +163,7 @@ class _MeshSweep(Sweep[Window]):
         assert hit.free_until is not None
         lo = min(max(found.lo, hit.free_until), math.nextafter(end, t))
         hi, point = self._soon(window, lo, min(window.inner, end), [] if hit.point is None else [hit.point])
-        return Touch(lo, hi, point is not None, hi, point)
+        return FirstTouch(lo, hi, point is not None, hi, point)
 
 
 class _Free:

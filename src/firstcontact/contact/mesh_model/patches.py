@@ -19,7 +19,7 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import ONE, ZERO, Line, Plane, Point, Surface, Vector, columns, dot, primitive
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import Leaf, Or, Tree, conjunction
-from firstcontact.body.solid.features import Edge, Face, Piece, Vertex
+from firstcontact.body.solid.features import Edge, EdgePiece, Face, Vertex
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross
@@ -210,7 +210,7 @@ def _edge(body: Polyhedron, who: str, e: int, surfaces: set[int], faces: set[int
     a, b = body.exact_vertex(i), body.exact_vertex(j)
     line = Line(columns((*_minus(b, a), ZERO), (*a, ONE)))
     frame = np.array([[to_double(c) for c in row] for row in line.basis])
-    pieces = (Piece(0.0, 1.0, i, j),)
+    pieces = (EdgePiece(0.0, 1.0, i, j),)
     return Edge(e, f"{who}.{e}", line, tuple(sorted(surfaces)), "convex", pieces, tuple(sorted(faces)), frame)
 
 

@@ -25,7 +25,7 @@ from firstcontact.contact.models.at_rest import (
 )
 from firstcontact.contact.models.contact_sets import Shared, shared_part
 from firstcontact.contact.models.membership import extent
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.contact.models.square_subproblems import SquareSubproblem
 from firstcontact.contact.models.subproblems import Subproblem, subproblems
 from firstcontact.errors import UnsupportedPair
@@ -33,7 +33,7 @@ from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision, to_double
 from firstcontact.exact.systems.square_systems import EnclosedRoot, OpenRoot
 from firstcontact.search.convex.relation import Relation
-from firstcontact.timeline.lasting import LastingOfModels, Solid
+from firstcontact.timeline.lasting import LastingOfModels, LastingSolid
 from firstcontact.work import Work
 
 LATEST = 4
@@ -66,7 +66,7 @@ class Meeting:
 
 
 @dataclass
-class Search:
+class CandidateSearch:
     """One piece of the motion: its subproblems, candidates in order of time, and the verdicts given so far.
 
     near: surfaces of either model; only features on these are looked at.
@@ -76,7 +76,7 @@ class Search:
     Raises `work.Spent` when the work's budget is.
     """
 
-    pair: Pair
+    pair: MovingPair
     work: Work = field(default_factory=Work)
     tasks: list[Subproblem | SquareSubproblem] = field(default_factory=list)
     candidates: list[Candidate] = field(default_factory=list)
@@ -218,7 +218,7 @@ class Search:
 
     @cached_property
     def _depths(self) -> LastingOfModels:
-        return LastingOfModels(Solid(self.pair.a), Solid(self.pair.b))
+        return LastingOfModels(LastingSolid(self.pair.a), LastingSolid(self.pair.b))
 
     def _relation(self, u: fmpq) -> Relation | None:
         if u not in self.relations:

@@ -11,11 +11,11 @@ from flint import arb, ctx
 from firstcontact.body.solid.carriers import Plane
 from firstcontact.body.solid.composite_quadric import SINGULAR, CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
-from firstcontact.contact.models.algorithm import Candidate, Meeting, Root, Search
+from firstcontact.contact.models.algorithm import Candidate, CandidateSearch, Meeting, Root
 from firstcontact.contact.models.contact_sets import cartesian
 from firstcontact.contact.models.largest_set import NEAR, largest_set
 from firstcontact.contact.models.membership import form_at, is_plane
-from firstcontact.contact.models.moving_pair import Form, Pair
+from firstcontact.contact.models.moving_pair import Form, MovingPair
 from firstcontact.contact.reduce import face_at
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import precision
@@ -35,7 +35,7 @@ from firstcontact.search.trees.touch import carried_normal
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body, Model
-    from firstcontact.work import Shared
+    from firstcontact.work import QuestionFields
 
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
 BITS = 128
@@ -43,7 +43,9 @@ ALONG = 1e-6
 """Sine of the angle below which edges touch along each other: where they do, places are known to half the digits."""
 
 
-def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared: Shared) -> FirstContact:
+def contact_of(
+    search: CandidateSearch, meetings: Sequence[Meeting], exact: bool, shared: QuestionFields
+) -> FirstContact:
     """The CONTACT result, the lowest (kind, index) of the simultaneous pairs first."""
     pair, root = search.pair, meetings[0].candidate.root
     named = ranked(pair, meetings)
@@ -65,12 +67,12 @@ def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared:
     )  # fmt: skip
 
 
-def _contact_set(pair: Pair, root: Root, meetings: Sequence[Meeting], b: Body, time: float) -> ContactSet:
+def _contact_set(pair: MovingPair, root: Root, meetings: Sequence[Meeting], b: Body, time: float) -> ContactSet:
     kind, points = largest_set(pair, root, meetings)
     return ContactSet(kind, to_world(pair, root, points, b, time))
 
 
-def ranked(pair: Pair, meetings: Sequence[Meeting]) -> list[tuple[ElementPair, Meeting]]:
+def ranked(pair: MovingPair, meetings: Sequence[Meeting]) -> list[tuple[ElementPair, Meeting]]:
     """Each pair of elements once, lowest first."""
     seen: dict[ElementPair, Meeting] = {}
     for meeting in meetings:
@@ -116,7 +118,7 @@ def element(
 # -- times and frames -----------------------------------------------------------------------------------------
 
 
-def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:
+def world_time(pair: MovingPair, root: Root) -> tuple[float, tuple[float, float]]:
     """(nearest double, enclosure) of a root's time."""
     value = root.rational
 
@@ -129,19 +131,19 @@ def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:
     return enclose(number)
 
 
-def to_world(pair: Pair, root: Root, points: np.ndarray, b: Body, time: float) -> np.ndarray:
+def to_world(pair: MovingPair, root: Root, points: np.ndarray, b: Body, time: float) -> np.ndarray:
     """(n, 3) points of the frame of b in the world at the root."""
     pose = _pose_of_b(pair, root, b, time)
     moved: np.ndarray = points @ pose[:3, :3].T + pose[:3, 3]
     return moved
 
 
-def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Body, time: float) -> np.ndarray | None:
+def _turned(pair: MovingPair, root: Root, n: np.ndarray | None, b: Body, time: float) -> np.ndarray | None:
     """A normal of the frame of b in the world."""
     return None if n is None else carried_normal(_pose_of_b(pair, root, b, time), n)
 
 
-def _pose_of_b(pair: Pair, root: Root, b: Any, time: float) -> np.ndarray:
+def _pose_of_b(pair: MovingPair, root: Root, b: Any, time: float) -> np.ndarray:
     frame = pair.piece.frame
     if frame is None:  # bodies that turn about one line at different speeds
         pose: np.ndarray = b.motion(time)
@@ -235,7 +237,7 @@ def _tangent(
 
 
 def _outward(
-    pair: Pair, feature: Face | Edge | Vertex, moving: bool, root: Root, where: np.ndarray
+    pair: MovingPair, feature: Face | Edge | Vertex, moving: bool, root: Root, where: np.ndarray
 ) -> list[np.ndarray]:
     """Outward unit normals of the faces that hold the feature, at a point of it."""
     body, forms = (pair.a, pair.forms_a) if moving else (pair.b, pair.forms_b)
@@ -272,7 +274,7 @@ def _unit(v: np.ndarray) -> np.ndarray | None:
 # -- the list of subproblems ----------------------------------------------------------------------------------
 
 
-def listed(searches: Sequence[Search], b: Model) -> tuple[Subproblem, ...]:
+def listed(searches: Sequence[CandidateSearch], b: Model) -> tuple[Subproblem, ...]:
     """Every pair of features with its candidate times over all pieces, judged."""
     rows: dict[tuple[Element, Element, str], list[CandidateTime]] = {}
     reasons: dict[tuple[Element, Element, str], str] = {}
@@ -287,7 +289,7 @@ def listed(searches: Sequence[Search], b: Model) -> tuple[Subproblem, ...]:
     return tuple(Subproblem(*key, tuple(found), reasons[key]) for key, found in rows.items())
 
 
-def _judged(search: Search, candidate: Candidate, b: Model) -> CandidateTime:
+def _judged(search: CandidateSearch, candidate: Candidate, b: Model) -> CandidateTime:
     meetings, reason = search.verdict(candidate)
     time, _ = world_time(search.pair, candidate.root)
     point = None

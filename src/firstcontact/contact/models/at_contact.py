@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firstcontact.contact.models.algorithm import Search
+from firstcontact.contact.models.algorithm import CandidateSearch
 from firstcontact.contact.models.answer import contact_of
 from firstcontact.contact.models.forms import forms_of, gradient, value
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.motion.moving import drift_of, shape_of
 from firstcontact.motion.relative.polynomial import relative_pieces
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
     from firstcontact.search.convex.advance import Advance
-    from firstcontact.work import Shared
+    from firstcontact.work import QuestionFields
 
 ROUNDED = 1e-7
 """Of the size of its terms, and of coordinates: what doubles may be off."""
@@ -35,8 +35,8 @@ Near = tuple[frozenset[int], frozenset[int]]
 
 def contact_then(
     bodies: tuple[Body, Body], models: tuple[CompositeQuadric, CompositeQuadric], proved: Advance, near: Near | None,
-    shared: Shared, work: Work,
-) -> tuple[FirstContact | None, Search | None]:  # fmt: skip
+    shared: QuestionFields, work: Work,
+) -> tuple[FirstContact | None, CandidateSearch | None]:  # fmt: skip
     """(the answer, None where algebra tells none; the search that told it)
 
     proved: the contact; models: those to be searched, in the motions of the bodies; near: the surfaces that meet then,
@@ -47,7 +47,7 @@ def contact_then(
     for piece in relative_pieces(*bodies, first, last):
         if not piece.exact:
             return None, None
-        search = Search(Pair(*models, piece), work, near=near)
+        search = CandidateSearch(MovingPair(*models, piece), work, near=near)
         meetings = search.first()
         if meetings:
             return contact_of(search, meetings, False, shared), search

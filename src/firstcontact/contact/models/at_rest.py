@@ -14,7 +14,7 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid,
 from firstcontact.body.solid.csg import And, Leaf, Not, Tree, inside, pattern
 from firstcontact.body.solid.features import Face
 from firstcontact.body.solid.neighbourhood import patterns
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.number_field import ball
 from firstcontact.exact.numbers import Undecidable, dyadic, precision, sign, simplest, to_double
@@ -29,24 +29,24 @@ MOST_PLACES = 8
 """Shared points whose surroundings are looked at."""
 
 
-def placed(pair: Pair, u: fmpq) -> CompositeQuadric:
+def placed(pair: MovingPair, u: fmpq) -> CompositeQuadric:
     """Model a where it stands at u, in the frame of b; exact."""
     return pair.a.transformed([*pose_at(pair, u), (0, 0, 0, 1)])
 
 
-def pose_at(pair: Pair, u: fmpq) -> Matrix:
+def pose_at(pair: MovingPair, u: fmpq) -> Matrix:
     """The rational map from the frame of a to that of b at u."""
     rows = [[x(u) for x in row] for row in pair.piece.pose]
     return tuple(tuple(x / rows[3][3] for x in row) for row in rows[:3])  # type: ignore[return-value]
 
 
-def pose_in_doubles(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
+def pose_in_doubles(pair: MovingPair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
     """Linear part and shift of model a at u, in the frame of b, rounded."""
     pose = np.array([[to_double(x) for x in row] for row in pose_at(pair, u)])
     return pose[:, :3], pose[:, 3]
 
 
-def relation_at(pair: Pair, u: fmpq) -> Relation | None:
+def relation_at(pair: MovingPair, u: fmpq) -> Relation | None:
     """How the two models lie to each other at u, proved; None where algebra is to tell."""
     (lo, hi), (low, high) = _box_of_a(pair, u), pair.b.bounds()
     if np.any(lo > high) or np.any(low > hi):
@@ -56,7 +56,7 @@ def relation_at(pair: Pair, u: fmpq) -> Relation | None:
     return relation(pair.a, pair.b, pose_at(pair, u))
 
 
-def soon_told(pair: Pair, u: fmpq) -> Relation | None:
+def soon_told(pair: MovingPair, u: fmpq) -> Relation | None:
     """As `relation_at`, where doubles tell it at little cost."""
     (lo, hi), (low, high) = _box_of_a(pair, u), pair.b.bounds()
     if np.any(lo > high) or np.any(low > hi):
@@ -64,7 +64,7 @@ def soon_told(pair: Pair, u: fmpq) -> Relation | None:
     return relation_in_doubles(pair.a, pair.b, pose_at(pair, u))
 
 
-def overlap(pair: Pair, u: fmpq) -> bool | None:
+def overlap(pair: MovingPair, u: fmpq) -> bool | None:
     """Whether the interiors of the two models share a point at u: by a proof, else by the Boolean intersection.
 
     None: they come so close that neither tells.
@@ -72,7 +72,7 @@ def overlap(pair: Pair, u: fmpq) -> bool | None:
     return overlap_given(relation_at(pair, u), pair, u, [])
 
 
-def overlap_given(known: Relation | None, pair: Pair, u: fmpq, inner: list[Vector]) -> bool | None:
+def overlap_given(known: Relation | None, pair: MovingPair, u: fmpq, inner: list[Vector]) -> bool | None:
     """As `overlap`, where what `relation_at` tells is known.  A common inner point that is met goes into `inner`."""
     if known is not None:
         return None if known is Relation.NEAR else known is Relation.OVERLAPPING
@@ -84,13 +84,13 @@ def overlap_given(known: Relation | None, pair: Pair, u: fmpq, inner: list[Vecto
     return common is not None
 
 
-def is_inner(x: Vector, pair: Pair, u: fmpq) -> bool:
+def is_inner(x: Vector, pair: MovingPair, u: fmpq) -> bool:
     """Whether the point (x, y, z), in the frame of b, is inside both models at u."""
     p, q, r = x
     return pair.b.is_strict(x, True) and pair.a.is_strict(apply(inverse_map(pose_at(pair, u)), (p, q, r)), True)
 
 
-def overlap_around(pair: Pair, u: fmpq, shared: Sequence[Vector]) -> bool:
+def overlap_around(pair: MovingPair, u: fmpq, shared: Sequence[Vector]) -> bool:
     """As `overlap`, for models that share the points (homogeneous, exact, in the frame of b).
 
     Around a point that two convex models share their interiors meet, or nowhere.
@@ -129,7 +129,7 @@ def _meet_around(a: CompositeQuadric, b: CompositeQuadric, p: Vector) -> bool | 
     return False if all(any(surfaces[k].gradient(x)) for k in on) else None
 
 
-def coincide(pair: Pair, u: fmpq) -> bool:
+def coincide(pair: MovingPair, u: fmpq) -> bool:
     """Whether a whole closed surface is a face of both at u: no edge tells, then, that the models touch."""
     if not (_whole_faces(pair.a) and _whole_faces(pair.b)):
         return False
@@ -152,7 +152,7 @@ def _is_conjunction(tree: Tree) -> bool:
     return isinstance(tree, Leaf) or (isinstance(tree, Not) and isinstance(tree.inner, Leaf))
 
 
-def _separated(pair: Pair, u: fmpq) -> bool:
+def _separated(pair: MovingPair, u: fmpq) -> bool:
     """Whether a plane along a face of one polytope, or along an edge of each, has their interiors on two sides."""
     points_a, edges_a = _skeleton(pair.a, (*pose_at(pair, u), (ZERO, ZERO, ZERO, ONE)))
     points_b, edges_b = _skeleton(pair.b, None)
@@ -180,7 +180,7 @@ def _skeleton(model: CompositeQuadric, pose: Rows | None) -> tuple[list[Vector],
     )
 
 
-def _box_of_a(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
+def _box_of_a(pair: MovingPair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
     """Corners of a box around model a at u, in the frame of b: that of the turned corners of its own box."""
     lo, hi = pair.a.bounds()
     if not np.all(np.isfinite([lo, hi])):
@@ -193,7 +193,7 @@ def _box_of_a(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
     return moved.min(axis=0) - pad, moved.max(axis=0) + pad
 
 
-def is_containment(pair: Pair, u: fmpq) -> bool:
+def is_containment(pair: MovingPair, u: fmpq) -> bool:
     """Whether one model holds the other at u, for models whose interiors overlap and whose features touch nowhere."""
     if coincide(pair, u):
         return False

@@ -17,7 +17,7 @@ from flint import fmpq
 from firstcontact.body.kept import Kept
 from firstcontact.body.solid import primitives
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
-from firstcontact.contact.models.flat_contacts import Pair, Shared, shared_set
+from firstcontact.contact.models.flat_contacts import FlatShared, Pair, shared_set
 from firstcontact.contact.models.kept_directions import turning_axes
 from firstcontact.contact.models.same_point import may_touch_more, near_surfaces, pairs_at
 from firstcontact.contact.models.touched import Flat, Flats, Point, group, is_parallel, lowest, ranked, with_neighbours
@@ -209,7 +209,7 @@ def _where(named: Named, normal: np.ndarray | None, shares: Shares | None) -> di
 
 def _flat_set(
     models: tuple[Model, Model], on: tuple[_On, _On], flats: tuple[Flats, Flats], found: Advance, point: Point
-) -> Shared | None:
+) -> FlatShared | None:
     """What flat things around the contact share, where that is told without algebra."""
     axes = turning_axes(*models)
     if axes is None or len(axes) > 1:

@@ -6,7 +6,7 @@ import numpy as np
 from flint import arb, fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.exact.numbers import dyadic, exact_value, precision
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix
 from firstcontact.motion.relative import projective
@@ -16,7 +16,7 @@ Box = tuple[tuple[fmpq, ...], tuple[fmpq, ...]]
 BITS = 128
 
 
-def common_box(pair: Pair, of_a: bool) -> Box | None:
+def common_box(pair: MovingPair, of_a: bool) -> Box | None:
     """In the frame of a, or of b; None where no bound of that model is known.
 
     That is the model's own box, cut with one of all places that the other one's box takes as seen from it: features of

@@ -18,7 +18,7 @@ from flint import arb, fmpq
 
 from firstcontact.body.solid.csg import Tree, possible
 from firstcontact.contact.models.membership import On, Vector, form_at, in_both, is_plane
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.exact.fields.number_field import QuadraticElement, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import exact_value, precision
@@ -53,14 +53,14 @@ class Shared:
 
 
 def shared_part(
-    pair: Pair, contact: Contact, root: AlgebraicRoot | EnclosedRoot, on_a: On, on_b: On
+    pair: MovingPair, contact: Contact, root: AlgebraicRoot | EnclosedRoot, on_a: On, on_b: On
 ) -> tuple[list[Shared], str]:
     """The parts of the contact set that both models hold, or the reason why there is none."""
     if contact.kind == "point":
         (x,) = contact.span
         reason = in_both(pair, x, root, on_a, on_b)
         return ([], reason) if reason else ([Shared("point", x, cartesian(x)[None])], "")
-    trim = Trim(pair, root, on_a, on_b)
+    trim = TrimForms(pair, root, on_a, on_b)
     parts = _segments(contact, trim) if contact.kind == "line" else _arcs(contact, trim)
     found = [part for part in parts if not in_both(pair, part.at, root, on_a, on_b)]
     return found, "" if found else "outside the faces"
@@ -73,10 +73,10 @@ def cartesian(x: Vector) -> np.ndarray:
         return np.array([float((c / values[3]).mid()) for c in values[:3]])
 
 
-class Trim:
+class TrimForms:
     """The forms of both models in doubles at the root, and where points lie in both."""
 
-    def __init__(self, pair: Pair, root: AlgebraicRoot | EnclosedRoot | EnclosedRoot, on_a: On, on_b: On) -> None:
+    def __init__(self, pair: MovingPair, root: AlgebraicRoot | EnclosedRoot | EnclosedRoot, on_a: On, on_b: On) -> None:
         u = root.enclosure(128)
         self.unit = pair.unit
         self.models = []
@@ -147,7 +147,7 @@ def _matrix(form: Any, plane: bool, unit: float) -> np.ndarray:
     return np.array([[float((x / largest).mid()) for x in row] for row in rows])
 
 
-def _segments(contact: Contact, trim: Trim) -> Iterator[Shared]:
+def _segments(contact: Contact, trim: TrimForms) -> Iterator[Shared]:
     first, second = contact.span
     if sign(first[3]) == 0:
         first, second = second, first
@@ -176,7 +176,7 @@ def scaled(x: Vector, unit: float) -> tuple[np.ndarray, fmpq]:
         return np.array([float((v / arb(size)).mid()) for v in values]), size
 
 
-def _arcs(contact: Contact, trim: Trim) -> Iterator[Shared]:
+def _arcs(contact: Contact, trim: TrimForms) -> Iterator[Shared]:
     span, form, sizes = _balanced(contact, trim.unit)
     values, vectors = np.linalg.eigh(form)
     if values[1] > 0:  # signs (-, +, +): the odd one last
@@ -213,7 +213,7 @@ def _balanced(contact: Contact, unit: float) -> tuple[np.ndarray, np.ndarray, li
     return np.array([row for row, _ in rows]).T, values, [1 / size for size in sizes]
 
 
-def _sampled(frame: np.ndarray, angles: np.ndarray, trim: Trim) -> tuple[np.ndarray, np.ndarray]:
+def _sampled(frame: np.ndarray, angles: np.ndarray, trim: TrimForms) -> tuple[np.ndarray, np.ndarray]:
     """Points (n, 4) of the conic that the frame makes of the unit circle, and whether both models hold them."""
     x = (frame @ np.stack([np.cos(angles), np.sin(angles), np.ones(len(angles))])).T
     return x, trim.inside(x) & (np.abs(x[:, 3]) > 1e-9 * np.abs(x).max())

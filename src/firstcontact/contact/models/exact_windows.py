@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
-from firstcontact.contact.models.algorithm import Candidate, Root, Search, between
+from firstcontact.contact.models.algorithm import Candidate, CandidateSearch, Root, between
 from firstcontact.contact.models.answer import world_time
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
@@ -21,13 +21,15 @@ if TYPE_CHECKING:
     from firstcontact.result import ExactTime
 
 
-def decided_intervals(query: Query, searches: Iterator[Search], work: Work, free_until: float) -> ContactIntervals:
+def decided_intervals(
+    query: Query, searches: Iterator[CandidateSearch], work: Work, free_until: float
+) -> ContactIntervals:
     """The answer of exact arithmetic: between two candidates the bodies overlap all the time or not at all.
 
     searches: one for every piece of the relative motion, in time order, which `work` pays.
     free_until: a time before which they are proved apart.
     """
-    found: list[tuple[End, End]] = []
+    found: list[tuple[WindowEnd, WindowEnd]] = []
     tests = evaluations = 0
     reason = None
     try:
@@ -49,10 +51,10 @@ def decided_intervals(query: Query, searches: Iterator[Search], work: Work, free
     return ContactIntervals(intervals, status, until, reason, query.stats(0, tests, evaluations), **query.shared)
 
 
-class End:
+class WindowEnd:
     """An end of an interval of contact: a root of the piece's u, or one of the piece's ends."""
 
-    def __init__(self, search: Search, root: Root | None, time: fmpq | None = None) -> None:
+    def __init__(self, search: CandidateSearch, root: Root | None, time: fmpq | None = None) -> None:
         self.search, self.root, self.time = search, root, time
 
     def is_at(self, time: fmpq) -> bool:
@@ -60,7 +62,7 @@ class End:
             return self.time == time
         return self.search.pair.piece.clock.compare(self.root, time) == 0
 
-    def is_same_time(self, other: End) -> bool:
+    def is_same_time(self, other: WindowEnd) -> bool:
         """For an end of one piece and a start of the next: they can only meet where the pieces do."""
         return self.is_at(other.search.pair.piece.start) and other.is_at(other.search.pair.piece.start)
 
@@ -74,24 +76,24 @@ class End:
         return t, around, self.search.pair.piece.exact_time(self.root) if known else None
 
 
-def _windows(search: Search, free_until: float) -> Iterator[tuple[End, End]]:
+def _windows(search: CandidateSearch, free_until: float) -> Iterator[tuple[WindowEnd, WindowEnd]]:
     """The closed windows of contact in one piece: between two candidates nothing changes.
 
     Models that are apart stay so until candidates that are contacts.  free_until: a time before which they are proved
     apart.
     """
     piece = search.pair.piece
-    start: End | None = None
+    start: WindowEnd | None = None
     apart = False
     passed: list[Candidate] | None = None
     if any(isinstance(candidate.root, OpenRoot) for candidate in search.candidates):
         raise UnsupportedPair("an edge of degree 4 leaves a stretch of time undecided; its intervals are not supported")
     lo = piece.u_lo
-    before = End(search, None, piece.start)
+    before = WindowEnd(search, None, piece.start)
     for group in search.groups():
         root = group[0].root
         if world_time(search.pair, root)[1][1] < free_until:
-            apart, before, lo = True, End(search, root), search.beyond(root)
+            apart, before, lo = True, WindowEnd(search, root), search.beyond(root)
             continue
         if piece.clock.compare(root, piece.start) > 0:
             if not apart and _share(search, between(lo, root), passed if start else None):
@@ -100,7 +102,7 @@ def _windows(search: Search, free_until: float) -> Iterator[tuple[End, End]]:
                 if start is not None:
                     yield start, before
                 start, apart = None, True
-        here = End(search, root)
+        here = WindowEnd(search, root)
         if start is None and search.meetings(group):
             start = here
         apart = apart and start is None and search.are_no_contacts(group)
@@ -108,13 +110,13 @@ def _windows(search: Search, free_until: float) -> Iterator[tuple[End, End]]:
     assert piece.u_hi is not None and piece.end is not None
     if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
         if not apart and _share(search, (lo + piece.u_hi) / 2, passed if start else None):
-            yield start or before, End(search, None, piece.end)
+            yield start or before, WindowEnd(search, None, piece.end)
             return
     if start is not None:
         yield start, before
 
 
-def _share(search: Search, u: fmpq, passed: list[Candidate] | None) -> bool:
+def _share(search: CandidateSearch, u: fmpq, passed: list[Candidate] | None) -> bool:
     """Whether the models share a point at u, which is no candidate; passed: as for `share_a_point`."""
     shared = search.share_a_point(u, passed)
     if shared is None:

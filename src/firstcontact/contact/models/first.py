@@ -13,7 +13,7 @@ import numpy as np
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact import upright_parts
 from firstcontact.contact.models.advancing import ignoring_advance
-from firstcontact.contact.models.algorithm import Meeting, Root, Search
+from firstcontact.contact.models.algorithm import CandidateSearch, Meeting, Root
 from firstcontact.contact.models.answer import contact_of, listed, world_time
 from firstcontact.contact.models.at_contact import contact_then, surfaces_there
 from firstcontact.contact.models.at_rest import is_containment, overlap_around
@@ -22,7 +22,7 @@ from firstcontact.contact.models.exact_windows import decided_intervals
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.models.intervals import certified_intervals
 from firstcontact.contact.models.last_instant import landing
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.contact.models.square_subproblems import needs_systems
 from firstcontact.contact.models.standing import prisms_on_common_plane
 from firstcontact.contact.reduce import as_model
@@ -261,7 +261,7 @@ def _as_model(body: Body) -> Any:
 def _decided(query: Query, work: Work) -> FirstContact:
     """The answer of exact arithmetic; method "algebraic" lists all subproblems."""
     with_list = query.method == "algebraic"
-    searches: list[Search] = []
+    searches: list[CandidateSearch] = []
     answer: FirstContact | None = None
     try:
         for search in _searches(query, work):
@@ -346,7 +346,7 @@ def _touching_at_start(query: Query) -> np.ndarray | None:
     return _at_start(query).point
 
 
-def _searches(query: Query, work: Work, free_until: float = -math.inf) -> Iterator[Search]:
+def _searches(query: Query, work: Work, free_until: float = -math.inf) -> Iterator[CandidateSearch]:
     """One for every piece of the relative motion, in time order; all before the one given last is settled.
 
     free_until: a time before which the models are proved apart; pieces that end before it are left out.
@@ -362,10 +362,10 @@ def _searches(query: Query, work: Work, free_until: float = -math.inf) -> Iterat
         if not piece.exact:
             raise UnsupportedPair(f"{piece.of}: the pose before this step is irrational; such steps are not supported")
         work.free_until = below(piece.start)
-        yield Search(Pair(model_a, model_b, piece), work)
+        yield CandidateSearch(MovingPair(model_a, model_b, piece), work)
 
 
-def _answer(search: Search, at_start: bool, query: Query) -> FirstContact | None:
+def _answer(search: CandidateSearch, at_start: bool, query: Query) -> FirstContact | None:
     """The answer if the piece has one; None when it is free."""
     if at_start:
         touching = search.at_start()
@@ -383,7 +383,7 @@ def _answer(search: Search, at_start: bool, query: Query) -> FirstContact | None
     return contact_of(search, meetings, query.exact, query.shared)
 
 
-def _open(search: Search, root: Root, query: Query) -> FirstContact:
+def _open(search: CandidateSearch, root: Root, query: Query) -> FirstContact:
     """UNDECIDED: nothing was found before the root's enclosure, and exact arithmetic does not reach further."""
     until = world_time(search.pair, AlgebraicRoot.of(root.lo))[1][0]
     return FirstContact(
@@ -391,7 +391,7 @@ def _open(search: Search, root: Root, query: Query) -> FirstContact:
     )
 
 
-def _initial(search: Search, touching: list[Meeting], query: Query) -> FirstContact:
+def _initial(search: CandidateSearch, touching: list[Meeting], query: Query) -> FirstContact:
     """INITIAL_CONTACT; whether the interiors overlap is asked of the start itself, where its pose is rational."""
     pair, start = search.pair, query.span[0]
     u = pair.piece.u_lo if search.starts_rational else search.moment_after_start()

@@ -62,7 +62,7 @@ Pair = tuple[Feature, Feature, Point]
 
 
 @dataclass(slots=True)
-class Shared:
+class FlatShared:
     """kind and points as for `ContactSet`; pairs: all features that meet in it, as exact arithmetic lists them."""
 
     kind: str
@@ -81,7 +81,7 @@ def shared_set(
     where: Point,
     axes: frozenset[Axis],
     also: Listing[tuple[frozenset[int], frozenset[int]]] | None = None,
-) -> Shared | None:
+) -> FlatShared | None:
     """The contact set at the touched point `where`, of models in such poses; None where doubles do not tell.
 
     poses: R by rows, T; axes: one that all turns are about, none where both only shift.
@@ -454,7 +454,7 @@ def _on(flat: Flat) -> frozenset[int]:
     return frozenset(flat.feature.surfaces)
 
 
-def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point) -> Shared | None:
+def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point) -> FlatShared | None:
     """The segment of the line through the touched point that both bodies hold."""
     convex, near = bodies[0].shape.pieces and bodies[1].shape.pieces, CLEAR * (1.0 + max(map(abs, where)))
     found = (_held_by_convex if convex else _held)(bodies, flats, where, d, near)
@@ -475,7 +475,7 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
     x, y = flats[0].feature, flats[1].feature
     if isinstance(x, Face) and isinstance(y, Face) and not (_is_plane(x) or _is_plane(y)):
         pairs.append((x, y, middle))
-    return Shared("segment", ends, pairs)
+    return FlatShared("segment", ends, pairs)
 
 
 def _held_by_convex(
@@ -607,7 +607,7 @@ def _at_surface(
 # -- planes ---------------------------------------------------------------------------------------------------
 
 
-def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | None:
+def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> FlatShared | None:
     """What two faces share that lie in one plane: a patch by its border, or arcs alone."""
     assert isinstance(x, Face) and isinstance(y, Face) and isinstance(x.carrier, Plane)
     (a, b), on = bodies, (frozenset(x.surfaces), frozenset(y.surfaces))
@@ -617,7 +617,7 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     if own.lines and others.lines:
         pairs = _of_polygons(x, y, own, others)
         points = [p for _, _, p in pairs]
-        return Shared("patch", border([], points), pairs) if _spread(points) else None
+        return FlatShared("patch", border([], points), pairs) if _spread(points) else None
     i, j = own.axes
     pairs = [(v, y, p) for v, p in own.corners if _is_in(b, others, p, on[1])]
     pairs += [(x, v, p) for v, p in others.corners if _is_in(a, own, p, on[0])]
@@ -637,10 +637,10 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
         pairs += [(e, f, tuple(run[len(run) // 2].tolist())) for e, f, run in arcs]
         beside_arcs = [tuple(p) for _, _, run in arcs for p in beside(run).tolist()]
         if any(_is_in(a, own, p, on[0]) and _is_in(b, others, p, on[1]) for p in beside_arcs):
-            return Shared("patch", border([run for _, _, run in arcs], corners), pairs)
-        return Shared("conic arc", arcs[0][2], pairs)
+            return FlatShared("patch", border([run for _, _, run in arcs], corners), pairs)
+        return FlatShared("conic arc", arcs[0][2], pairs)
     points = [p for _, _, p in pairs]
-    return Shared("patch", border([], points), pairs) if _spread(points) else None
+    return FlatShared("patch", border([], points), pairs) if _spread(points) else None
 
 
 def _of_polygons(x: Face, y: Face, own: _Outline, others: _Outline) -> list[Pair]:

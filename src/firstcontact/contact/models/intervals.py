@@ -25,8 +25,8 @@ from firstcontact.search.convex.convex import NotConvex, convex_pieces
 from firstcontact.search.events import events
 from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.event_tables import tables_of
-from firstcontact.timeline.lasting import LastingOfModels, Solid
-from firstcontact.timeline.sweep import Certified, Found, Pass, Sweep
+from firstcontact.timeline.lasting import LastingOfModels, LastingSolid
+from firstcontact.timeline.sweep import Certified, Found, Pass, TimeSweep
 from firstcontact.work import Work
 
 if TYPE_CHECKING:
@@ -55,9 +55,9 @@ def certified_intervals(
     try:
         parts = windows(*models, first, last)
         width = tolerance * (parts[-1].last - parts[0].first)
-        lasting = LastingOfModels(*(Solid(shape_of(x)) for x in models))
+        lasting = LastingOfModels(*(LastingSolid(shape_of(x)) for x in models))
         free = _Free(models, width, parts, curved_pieces(*models, first, last), work)
-        found = Sweep(free, lasting, parts, width, work, touches_at_start).run()
+        found = TimeSweep(free, lasting, parts, width, work, touches_at_start).run()
     except (NotCharted, Untold) as reason:
         raise UnsupportedPair(f"contact intervals are not decided: {reason}") from reason
     return _with_landing(found, models, last, width)

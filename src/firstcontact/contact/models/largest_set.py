@@ -17,9 +17,9 @@ from firstcontact.body.solid.carriers import Conic, Line, Plane
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.algorithm import Meeting, Root
-from firstcontact.contact.models.contact_sets import Shared, Trim, scaled, shared_part
+from firstcontact.contact.models.contact_sets import Shared, TrimForms, scaled, shared_part
 from firstcontact.contact.models.membership import On, Vector, in_both, is_plane
-from firstcontact.contact.models.moving_pair import Form, Pair
+from firstcontact.contact.models.moving_pair import Form, MovingPair
 from firstcontact.contact.models.patches import along_surface, beside, border
 from firstcontact.exact.fields.number_field import NumberField, is_zero
 from firstcontact.exact.fields.roots import AlgebraicRoot
@@ -44,7 +44,7 @@ Span = tuple[Vector, Vector]
 Set = tuple[str, np.ndarray]
 
 
-def largest_set(pair: Pair, root: Root, meetings: Sequence[Meeting]) -> Set:
+def largest_set(pair: MovingPair, root: Root, meetings: Sequence[Meeting]) -> Set:
     """(kind, (n, 3) points in the frame of b) as in `ContactSet`."""
     arcs = [m.shared.points for m in meetings if m.shared.kind == "conic arc"]
     if arcs:
@@ -80,7 +80,7 @@ def _distinct(meetings: Sequence[Meeting], unit: float) -> list[Meeting]:
 class _Touching:
     """The surfaces and edges that meet at an algebraic time."""
 
-    def __init__(self, pair: Pair, root: AlgebraicRoot, meetings: Sequence[Meeting]) -> None:
+    def __init__(self, pair: MovingPair, root: AlgebraicRoot, meetings: Sequence[Meeting]) -> None:
         self.pair, self.root, self.field = pair, root, NumberField(root)
         self.meetings = meetings
         tasks = [m.candidate.subproblem for m in meetings]
@@ -115,7 +115,7 @@ class _Touching:
         return bool(np.all(np.abs(terms.sum(axis=1)) <= NEAR * np.abs(terms).sum(axis=1)))
 
     def _is_patch(self, corners: list[np.ndarray], arcs: list[np.ndarray], plane: Vector, i: int, j: int) -> bool:
-        trim = Trim(self.pair, self.root, On({i}), On({j}))
+        trim = TrimForms(self.pair, self.root, On({i}), On({j}))
         for place in (*_between(corners), *(p for arc in arcs for p in beside(arc))):
             middle = np.append(place / self.pair.unit, 1.0)
             if trim.inside(middle[None])[0]:
@@ -133,7 +133,7 @@ class _Touching:
                 continue
             rows = [[x for row in self.field.matrix(form) for x in row] for form in (form_a, form_b)]
             if zero(minors(rows, 2)):
-                trim = Trim(self.pair, self.root, On({i}), On({j}))
+                trim = TrimForms(self.pair, self.root, On({i}), On({j}))
                 form = trim.models[1][1][j]
                 places = np.array([p for arc in arcs for p in along_surface(form, arc / self.pair.unit)])
                 if trim.inside(places).any():
@@ -206,7 +206,7 @@ def _with_seams(body: CompositeQuadric, feature: Feature) -> set[int]:
     return {s for seam in body.seams if feature.index in seam.faces for s in seam.surfaces} | set(feature.surfaces)
 
 
-def _edges(pair: Pair, a: Feature, b: Feature) -> Iterator[tuple[bool, Edge]]:
+def _edges(pair: MovingPair, a: Feature, b: Feature) -> Iterator[tuple[bool, Edge]]:
     """The edges of the features, and those that end in them: (of the moving model, edge)."""
     for moving, body, feature in ((True, pair.a, a), (False, pair.b, b)):
         if not isinstance(feature, Face):

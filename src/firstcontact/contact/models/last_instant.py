@@ -14,9 +14,9 @@ from flint import arb, fmpq
 
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.revolution import is_same
-from firstcontact.contact.models.algorithm import Meeting, Search
+from firstcontact.contact.models.algorithm import CandidateSearch, Meeting
 from firstcontact.contact.models.membership import form_at, is_plane
-from firstcontact.contact.models.moving_pair import Form, Pair
+from firstcontact.contact.models.moving_pair import Form, MovingPair
 from firstcontact.exact.fields.number_field import ball
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.polynomials.inertia import dot, value
@@ -35,7 +35,7 @@ CLEAR = 2.0**-40
 BITS = 128
 
 
-def landing(a: Model, b: Model, t: fmpq) -> tuple[Search, list[Meeting]] | None:
+def landing(a: Model, b: Model, t: fmpq) -> tuple[CandidateSearch, list[Meeting]] | None:
     """Features that share a point at time t, proved, with the search in which they were found; None where none are."""
     placed = [_placed(x, t) for x in (a, b)]
     if placed[0] is None or placed[1] is None:
@@ -45,7 +45,7 @@ def landing(a: Model, b: Model, t: fmpq) -> tuple[Search, list[Meeting]] | None:
         return None
     motion = motions[0] if motions else None
     for piece in relative_pieces(*bodies, fmpq(0), fmpq(0)):
-        search = Search(Pair(shape_of(bodies[0]), shape_of(bodies[1]), piece))
+        search = CandidateSearch(MovingPair(shape_of(bodies[0]), shape_of(bodies[1]), piece))
         meetings = [m for m in search.at_start() if motion is None or _is_kept(search.pair, m, motion)]
         return (search, meetings) if meetings else None
     return None
@@ -76,7 +76,7 @@ def _placed(body: Model, t: fmpq) -> tuple[CompositeQuadric, Rotation | Screw | 
     return placed.translated([motion.advance * t * x / length for x in motion.axis]), motion
 
 
-def _is_kept(pair: Pair, meeting: Meeting, motion: Rotation | Screw) -> bool:
+def _is_kept(pair: MovingPair, meeting: Meeting, motion: Rotation | Screw) -> bool:
     """Whether the point, fixed in one of the bodies, stays in the other while the true turn is made up for."""
     u = meeting.candidate.root.enclosure(BITS)
     with precision(BITS):

@@ -11,7 +11,7 @@ from flint import arb
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import borders, outcomes
 from firstcontact.body.solid.features import Edge, Face, Vertex
-from firstcontact.contact.models.moving_pair import Form, Pair
+from firstcontact.contact.models.moving_pair import Form, MovingPair
 from firstcontact.exact.fields.number_field import NumberField, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import Undecidable, precision
@@ -45,7 +45,7 @@ def extent(body: CompositeQuadric, feature: Face | Edge | Vertex, surfaces: Coll
     return On(surfaces, [(face.surfaces[0], face.orientation) for face in faces])
 
 
-def in_both(pair: Pair, x: Vector, root: Root, on_a: On, on_b: On) -> str:
+def in_both(pair: MovingPair, x: Vector, root: Root, on_a: On, on_b: On) -> str:
     """"" when x lies in both closed models, on the faces asked for, else why not: which it is outside of,
     or beyond the feature of.
 

@@ -21,7 +21,7 @@ Form = tuple[Any, ...]
 
 
 @dataclass(frozen=True)
-class Pair:
+class MovingPair:
     """Model a moves by piece.pose as seen from model b, which rests."""
 
     a: CompositeQuadric

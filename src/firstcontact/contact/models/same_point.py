@@ -16,7 +16,7 @@ from firstcontact.body.kept import Kept
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.models.at_contact import contact_then
 from firstcontact.contact.models.forms import Form, forms_of, gradient, value
-from firstcontact.contact.models.touched import ACROSS, Group, Point, is_parallel
+from firstcontact.contact.models.touched import ACROSS, Point, TouchingGroup, is_parallel
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.result import FirstContact
 from firstcontact.search.convex.advance import Advance
@@ -24,7 +24,7 @@ from firstcontact.work import Work
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
-    from firstcontact.work import Shared
+    from firstcontact.work import QuestionFields
 
 NEAR = 1e-7
 """Of the size of its terms: where a form is smaller than that, its surface may pass through the point."""
@@ -59,7 +59,7 @@ def _limits(model: CompositeQuadric, where: Point) -> list[tuple[Form, Form | No
     return _LIMITS.of(model, lambda: limits(tuple(np.abs(model.bounds()).max(axis=0).tolist())))
 
 
-def may_touch_more(known: Group, place: Place, one_event: bool) -> bool:
+def may_touch_more(known: TouchingGroup, place: Place, one_event: bool) -> bool:
     """Whether faces or edges around the touched feature may touch in the same point.
 
     Where more surfaces pass, or the normal is across one of its faces, or an edge at the vertex across the normal.
@@ -93,7 +93,7 @@ def may_touch_more(known: Group, place: Place, one_event: bool) -> bool:
 
 def pairs_at(
     bodies: tuple[Body, Body], models: tuple[CompositeQuadric, CompositeQuadric], found: Advance,
-    places: tuple[Place, Place], shared: Shared,
+    places: tuple[Place, Place], shared: QuestionFields,
 ) -> FirstContact | None:  # fmt: skip
     """The proved contact with all pairs that meet in its point; None where algebra does not take the motions."""
     on_a, on_b = (frozenset(near_surfaces(model, place[0])) for model, place in zip(models, places, strict=True))

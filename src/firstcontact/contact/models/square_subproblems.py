@@ -20,8 +20,8 @@ from firstcontact.body.solid.carriers import EnclosedPoint, Plane, QuarticCurve,
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.common_box import Box, common_box
-from firstcontact.contact.models.moving_pair import Form, Pair, without_factor
-from firstcontact.contact.models.system_search import Solid, zeros_within
+from firstcontact.contact.models.moving_pair import Form, MovingPair, without_factor
+from firstcontact.contact.models.system_search import SearchedSolid, zeros_within
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import exact_value
@@ -55,7 +55,7 @@ CROSSING = "A = B = C = D = 0"
 class View:
     """One model of a pair at rest, the other as seen from it."""
 
-    pair: Pair
+    pair: MovingPair
     moving: bool
     """Whether the model at rest is the one that moves in the pair."""
 
@@ -78,9 +78,10 @@ class View:
         pose, lo = self.pair.piece.pose, self.pair.piece.u_lo
         return [without_factor(congruent(pose, _matrix(form)), lo) for form in self.pair.forms_b]
 
-    def solids(self, own: frozenset[int], other: frozenset[int]) -> list[Solid]:
+    def solids(self, own: frozenset[int], other: frozenset[int]) -> list[SearchedSolid]:
         """Both, with the surfaces that hold the zeros."""
-        return [Solid(self.own.tree, self.own_forms, own), Solid(self.other.tree, self.other_forms, other)]
+        sides = (self.own, self.own_forms, own), (self.other, self.other_forms, other)
+        return [SearchedSolid(model.tree, forms, near) for model, forms, near in sides]
 
     def in_frame_of_b(self, zero: Zero) -> Vector:
         """The point of a zero, homogeneous."""
@@ -140,7 +141,7 @@ def _matrix(form: Form) -> Matrix:
 class SquareSubproblem:
     """Two features and their system; as `Subproblem`, but its roots are enclosed, and `OpenRoot` what stays open."""
 
-    pair: Pair
+    pair: MovingPair
     a: Feature
     b: Feature
     case: str
@@ -222,7 +223,7 @@ class SquareSubproblem:
                 yield zero
 
 
-def square_subproblems(pair: Pair, near: Near | None) -> Iterator[SquareSubproblem]:
+def square_subproblems(pair: MovingPair, near: Near | None) -> Iterator[SquareSubproblem]:
     """Edges of degree 4 against faces and edges, enclosed vertices against faces."""
     for moving in (True, False):
         view = View(pair, moving)

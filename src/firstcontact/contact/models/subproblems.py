@@ -15,7 +15,7 @@ from flint import fmpz_poly
 
 from firstcontact.body.solid.carriers import AlgebraicPoint, Conic, Line, Plane, Point, QuarticCurve
 from firstcontact.body.solid.features import Edge, Face, Vertex
-from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.contact.models.square_subproblems import Near, On, SquareSubproblem, features_on, square_subproblems
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 from firstcontact.exact.polynomials.inertia import rank
@@ -42,7 +42,7 @@ Feature = Face | Edge | Vertex
 class Subproblem:
     """Two features and their case; `a` belongs to the moving model."""
 
-    pair: Pair
+    pair: MovingPair
     a: Feature
     b: Feature
     case: str
@@ -79,13 +79,13 @@ class _Carrier:
     """A quadric of rank 3: cone or cylinder."""
 
 
-def subproblems(pair: Pair, near: Near | None = None) -> Iterator[Subproblem | SquareSubproblem]:
+def subproblems(pair: MovingPair, near: Near | None = None) -> Iterator[Subproblem | SquareSubproblem]:
     """All of them; near: of features on these surfaces alone."""
     yield from algebraic_subproblems(pair, near)
     yield from square_subproblems(pair, near)
 
 
-def algebraic_subproblems(pair: Pair, near: Near | None) -> Iterator[Subproblem]:
+def algebraic_subproblems(pair: MovingPair, near: Near | None) -> Iterator[Subproblem]:
     """Those with a contact equation: faces, edges and vertices against faces, edges against edges.
 
     Reentrant edges need none (nothing touches one without touching a face beside it), seams neither.  A plane
@@ -110,7 +110,7 @@ def _ruling_only(x: _Carrier, y: _Carrier) -> bool:
     return {x.kind, y.kind} == {"plane", "quadric"} and (x.conical or y.conical)
 
 
-def _subproblem(pair: Pair, x: _Carrier, y: _Carrier, case: Case) -> Subproblem:
+def _subproblem(pair: MovingPair, x: _Carrier, y: _Carrier, case: Case) -> Subproblem:
     first, second = (x, y) if (x.kind, y.kind) in SOLVERS else (y, x)
     equation, contacts = SOLVERS[first.kind, second.kind]
     return Subproblem(
@@ -144,7 +144,7 @@ SOLVERS: dict[tuple[str, str], tuple[Callable[..., Equation], Callable[..., Cont
 }
 
 
-def _faces(pair: Pair, moving: bool, on: On) -> list[_Carrier]:
+def _faces(pair: MovingPair, moving: bool, on: On) -> list[_Carrier]:
     body, forms = (pair.a, pair.forms_a) if moving else (pair.b, pair.forms_b)
     found = []
     for face in features_on(body.faces, on):
@@ -156,7 +156,7 @@ def _faces(pair: Pair, moving: bool, on: On) -> list[_Carrier]:
     return found
 
 
-def _edges(pair: Pair, moving: bool, on: On) -> list[_Carrier]:
+def _edges(pair: MovingPair, moving: bool, on: On) -> list[_Carrier]:
     found = []
     for edge in features_on((pair.a if moving else pair.b).edges, on):
         if edge.convexity == "reentrant":
@@ -172,7 +172,7 @@ def _edges(pair: Pair, moving: bool, on: On) -> list[_Carrier]:
     return found
 
 
-def _corners(pair: Pair, moving: bool, on: On) -> list[_Carrier]:
+def _corners(pair: MovingPair, moving: bool, on: On) -> list[_Carrier]:
     found = []
     for vertex in features_on((pair.a if moving else pair.b).vertices, on):
         point = vertex.carrier

@@ -45,7 +45,7 @@ OPEN_ENOUGH = 4000
 
 
 @dataclass(frozen=True)
-class Solid:
+class SearchedSolid:
     """A model as the search sees it: its tree, and its surfaces as symmetric 4x4 matrices over fmpz_poly."""
 
     tree: Tree
@@ -55,7 +55,7 @@ class Solid:
 
 
 @dataclass
-class Found:
+class FoundZeros:
     """zeros: proved; open: (u_lo, u_hi) of stretches where some box could not be decided."""
 
     zeros: list[Zero] = field(default_factory=list)
@@ -65,16 +65,16 @@ class Found:
 
 def zeros_within(
     system: SquareSystem,
-    solids: Sequence[Solid],
+    solids: Sequence[SearchedSolid],
     box: tuple[Sequence[fmpq], Sequence[fmpq]],
     span: tuple[fmpq, fmpq],
     slabs: int,
-) -> Found:
+) -> FoundZeros:
     """All zeros in the box (corners x, y, z) with u in the span, whose points both solids may hold.
 
     The span is cut into slabs; polynomials are taken afresh in each, so that high degrees lose no digits.
     """
-    found = Found()
+    found = FoundZeros()
     lo, hi = span
     for k in range(slabs):
         ends = lo + (hi - lo) * fmpq(k, slabs), lo + (hi - lo) * fmpq(k + 1, slabs)
@@ -148,7 +148,7 @@ def _composed(form: Matrix, frame: _Frame) -> list[list[fmpq_poly]]:
 
 
 @dataclass(frozen=True)
-class _Parts:
+class _FormParts:
     """What value and gradient of one form need over n boxes."""
 
     x: np.ndarray
@@ -160,16 +160,16 @@ class _Parts:
     rest: np.ndarray
 
 
-def _parts(form: _Form, middle: np.ndarray, half: np.ndarray) -> _Parts:
+def _parts(form: _Form, middle: np.ndarray, half: np.ndarray) -> _FormParts:
     x = np.column_stack([middle[:, :3], np.ones(len(middle))])
     h = np.column_stack([half[:, :3], np.zeros(len(half))])
     value, slope, rest = form.at(middle[:, 3], half[:, 3])
-    return _Parts(
+    return _FormParts(
         x, h, np.einsum("nij,nj->ni", value, x), np.einsum("nij,nj->ni", slope, x), value, slope, rest
     )
 
 
-def _value(p: _Parts, half: np.ndarray) -> _Model:
+def _value(p: _FormParts, half: np.ndarray) -> _Model:
     """X^T Q X."""
     value = np.einsum("ni,ni->n", p.x, p.image)
     slope = np.column_stack([2 * p.image[:, :3], np.einsum("ni,ni->n", p.x, p.moved)])
@@ -182,7 +182,7 @@ def _value(p: _Parts, half: np.ndarray) -> _Model:
     return _Model(value, slope, rest * (1 + 1e-12) + 64 * EPSILON * size)
 
 
-def _gradient(p: _Parts, half: np.ndarray) -> list[_Model]:
+def _gradient(p: _FormParts, half: np.ndarray) -> list[_Model]:
     """The first three entries of Q X."""
     hv = half[:, 3]
     reach = np.abs(p.x) + p.h
@@ -228,7 +228,7 @@ class _Slab:
     def __init__(
         self,
         system: SquareSystem,
-        solids: Sequence[Solid],
+        solids: Sequence[SearchedSolid],
         box: tuple[Sequence[fmpq], Sequence[fmpq]],
         ends: tuple[fmpq, fmpq],
         depth: int = 0,
@@ -244,7 +244,7 @@ class _Slab:
                        for s in solids]  # fmt: skip
         self.start = np.array([[*(to_double((b - a) / 2 / scale) for a, b in zip(lo, hi, strict=True)), 1.0]])
 
-    def search(self, found: Found) -> None:
+    def search(self, found: FoundZeros) -> None:
         middle, half = np.zeros((1, 4)), self.start * (1 + 1e-9) + 1e-15
         pending = [(middle, half)]
         owned: list[Zero] = []

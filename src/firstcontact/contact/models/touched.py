@@ -109,7 +109,7 @@ class Touched:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Group:
+class TouchingGroup:
     """Features of a model that touch as one.
 
     surfaces: of all of them; smooth: whether all are faces.
@@ -121,14 +121,14 @@ class Group:
     smooth: bool
 
 
-_GROUPS = Kept[dict[tuple[tuple[str, int], ...], Group]]()
+_GROUPS = Kept[dict[tuple[tuple[str, int], ...], TouchingGroup]]()
 _SEAMED = Kept[list[tuple[int, Form, float]]]()
 _MET = Kept[dict[frozenset[int], list[Touched]]]()
 _ELEMENTS = Kept[dict[tuple[str, Face | Edge | Vertex], tuple[tuple[int, int], Element]]]()
 _TOUCHED = Kept[dict[tuple[str, int], Touched]]()
 
 
-def group(model: CompositeQuadric, features: tuple[tuple[str, int], ...]) -> Group:
+def group(model: CompositeQuadric, features: tuple[tuple[str, int], ...]) -> TouchingGroup:
     """Features as `search.convex.advance` numbers them, kept on the model."""
     groups = _GROUPS.of(model, dict)
     known = groups.get(features)
@@ -136,11 +136,11 @@ def group(model: CompositeQuadric, features: tuple[tuple[str, int], ...]) -> Gro
         found = [touched(model, kind, index) for kind, index in features]
         surfaces = frozenset(k for x in found for k in x.feature.surfaces)
         smooth = all(isinstance(x.feature, Face) for x in found)
-        known = groups[features] = Group(found[0].model, found, surfaces, smooth)
+        known = groups[features] = TouchingGroup(found[0].model, found, surfaces, smooth)
     return known
 
 
-def with_neighbours(known: Group, where: Point) -> list[Touched]:
+def with_neighbours(known: TouchingGroup, where: Point) -> list[Touched]:
     """The touched features, with the faces and edges that lie at the point too, or nearly.
 
     Features of a piece tell all but what joins it smoothly in other pieces.
@@ -198,7 +198,7 @@ def _length(x: Point) -> float:
     return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
 
 
-def lowest(known: Group, which: str, where: Point) -> Element:
+def lowest(known: TouchingGroup, which: str, where: Point) -> Element:
     """Vertices before edges before faces."""
     if len(known.features) == 1:
         return ranked(known.model, known.features[0].feature, which, where)[1]

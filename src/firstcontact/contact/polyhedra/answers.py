@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firstcontact.contact.polyhedra.earliest import Found, Pair, Problem, Searched, Window, pairs_at_start
+from firstcontact.contact.polyhedra.earliest import FoundFirst, Pair, Problem, Searched, Window, pairs_at_start
 from firstcontact.contact.polyhedra.facing import NEAR, best_apart
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.exact.times.instants import Instant
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.relative.curved import CurvedPiece
-from firstcontact.motion.relative.pieces import Piece
+from firstcontact.motion.relative.pieces import MotionPiece
 from firstcontact.result import MOST_OTHERS, ContactInterval, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.trees.elements import EDGE, FACE, VERTEX, Feature
 from firstcontact.search.trees.touch import carried_normal, doubles
@@ -22,7 +22,7 @@ from firstcontact.work import Work
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
-    from firstcontact.work import Shared
+    from firstcontact.work import QuestionFields
 
 # Pairs at a contact whose normals are looked at.
 MOST_NORMALS = 64
@@ -79,7 +79,7 @@ def _named(name: str, element: Feature) -> Element:
     return Element(_NAMES[element[0]], name, element[1], name)
 
 
-def contact_of(problem: Problem, found: Found, exact: bool, stats: Stats, shared: Shared) -> FirstContact:
+def contact_of(problem: Problem, found: FoundFirst, exact: bool, stats: Stats, shared: QuestionFields) -> FirstContact:
     """The CONTACT result of a search that found one; where and of what it is waits until it is asked for."""
     time, interval = problem.world_instant(found.instant)
     known = {
@@ -98,7 +98,7 @@ def contact_of(problem: Problem, found: Found, exact: bool, stats: Stats, shared
     return FirstContact.deferring(known, lambda: _elements_met(problem, found, time, bodies))
 
 
-def _elements_met(problem: Problem, found: Found, time: float, bodies: tuple[Body, Body]) -> dict[str, object]:
+def _elements_met(problem: Problem, found: FoundFirst, time: float, bodies: tuple[Body, Body]) -> dict[str, object]:
     """What a CONTACT result says of the elements; the place waits longer, many callers never ask."""
     named = element_pairs(*bodies, found.pairs)
 
@@ -117,7 +117,7 @@ def _elements_met(problem: Problem, found: Found, time: float, bodies: tuple[Bod
 
 
 def place_met(
-    problem: Problem, found: Found, time: float, bodies: tuple[Body, Body], pairs: list[Pair]
+    problem: Problem, found: FoundFirst, time: float, bodies: tuple[Body, Body], pairs: list[Pair]
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """Point and normal of a contact of those pairs, the one that is named first."""
     point, normal = _place(problem, pairs[0], found.instant, time)
@@ -140,7 +140,7 @@ def _normals_at(
 
 
 def contained_at_start(
-    problem: Problem, exact: bool, stats: Stats, shared: Shared, jump: bool = False
+    problem: Problem, exact: bool, stats: Stats, shared: QuestionFields, jump: bool = False
 ) -> FirstContact:
     """The result for bodies one of which lies inside the other at the start; `jump`: that of a later step."""
     start, interval = problem.world_instant(problem.start_instant())
@@ -158,11 +158,11 @@ def contained_at_start(
 
 def initial_contact(
     problem: Searched,
-    found: Found,
+    found: FoundFirst,
     kind: str | None,
     exact: bool,
     stats: Stats,
-    shared: Shared,
+    shared: QuestionFields,
     jump: bool = False,
 ) -> FirstContact:
     """The INITIAL_CONTACT result: the surfaces share a point at the start of the span.
@@ -188,7 +188,7 @@ def initial_contact(
     return FirstContact.deferring(known, lambda: _where_at_start(problem, found, shared))
 
 
-def _where_at_start(problem: Searched, found: Found, shared: Shared) -> dict[str, object]:
+def _where_at_start(problem: Searched, found: FoundFirst, shared: QuestionFields) -> dict[str, object]:
     """What a result says of the elements that meet at the start: all of them, which the search has not looked for."""
     pairs = _pairs_at_start(problem) or [pair for pair, _ in found.start] or found.pairs
     named = element_pairs(shared["a"], shared["b"], pairs)
@@ -219,7 +219,7 @@ class JoinedInterval:
     start: tuple[Problem, Instant, int]
     end: tuple[Problem, Instant | None, int]
 
-    def at_start(self, piece: Piece | CurvedPiece) -> bool:
+    def at_start(self, piece: MotionPiece | CurvedPiece) -> bool:
         """Whether it begins with that piece."""
         problem, instant, turn = self.start
         return problem.piece is piece and turn == 0 and instant.is_zero()

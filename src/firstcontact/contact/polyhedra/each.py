@@ -16,10 +16,10 @@ from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.answers import element_pairs, place_met
-from firstcontact.contact.polyhedra.earliest import Found, Pair, Problem
+from firstcontact.contact.polyhedra.earliest import FoundFirst, Pair, Problem
 from firstcontact.exact.numbers import Undecidable, exact_value
 from firstcontact.motion.moving import Moving
-from firstcontact.motion.relative.pieces import Piece, pieces
+from firstcontact.motion.relative.pieces import MotionPiece, pieces
 from firstcontact.result import Element
 from firstcontact.search.trees.elements import FACE, KINDS, VERTEX
 from firstcontact.search.trees.state import CERTAIN_KIND, SLICE, borrow_state, return_state
@@ -72,7 +72,7 @@ class Walked:
 
 
 @dataclass(frozen=True)
-class Contacts:
+class FirstContacts:
     """First contacts: numbers of the motions, doubles nearest the times, (m, 2) enclosures; `instant` and `pairs` of
 
     each: when it is, exact, and the pairs of elements that meet then.
@@ -89,16 +89,16 @@ Place = tuple[tuple[Element, Element], int, np.ndarray, np.ndarray | None]
 """The lowest pair of elements, how many there are, the point, the unit normal or None."""
 
 
-def piece_of(moving: Moving, b: Polyhedron, last: float) -> Piece:
+def piece_of(moving: Moving, b: Polyhedron, last: float) -> MotionPiece:
     """The one piece of a translation or rotation before a body at rest, from 0 to `last`."""
     (piece,) = pieces(moving, b, fmpq(0), exact_value(last))
-    assert isinstance(piece, Piece)
+    assert isinstance(piece, MotionPiece)
     return piece
 
 
-def placed(problem: Problem, contacts: Contacts, k: int, moving: Moving, b: Polyhedron) -> Place:
+def placed(problem: Problem, contacts: FirstContacts, k: int, moving: Moving, b: Polyhedron) -> Place:
     """What a CONTACT result says of the place of a contact; the problem is that of its motion."""
-    found = Found(contacts.instant(k), contacts.pairs(k))
+    found = FoundFirst(contacts.instant(k), contacts.pairs(k))
     named = element_pairs(moving, b, found.pairs)
     place = place_met(problem, found, float(contacts.times[k]), (moving, b), [pair for _, pair in named])
     return (named[0][0].element_a, named[0][0].element_b), len(named), *place

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.each import Contacts, Exactly, Place, Walked, Walks, first_of, piece_of, placed
+from firstcontact.contact.polyhedra.each import Exactly, FirstContacts, Place, Walked, Walks, first_of, piece_of, placed
 from firstcontact.contact.polyhedra.problems.rotation_problem import RotationProblem
 from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.arrays import Rotations
@@ -19,7 +19,7 @@ class EachRotation:
         """lasts (n,): ends of the windows."""
         self.a, self.b, self.motions, self.lasts = a, b, motions, lasts
 
-    def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:
+    def told(self) -> tuple[np.ndarray, np.ndarray, FirstContacts]:
         """FREE, MET or OPEN, node visits and pair tests, of each motion; the contacts."""
         problem = self._problem(0)
         a, b = problem.tree_a, problem.tree_b
@@ -33,7 +33,7 @@ class EachRotation:
         ends, sure_ends = np.array(windows).reshape(-1, 2).T.copy()
         return self._contacts(walks.walked(ranges, none, none, ends, sure_ends))
 
-    def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
+    def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, FirstContacts]:
         found = []
         for some in walked.groups():
             motion = int(walked.motions[some.start])
@@ -44,7 +44,7 @@ class EachRotation:
                 walked.told[motion] = OPEN
             else:
                 found.append((motion, problem.world_instant(first[0]), *first))
-        return walked.told, walked.work, Contacts(
+        return walked.told, walked.work, FirstContacts(
             np.array([motion for motion, *_ in found], np.int64),
             np.array([time for _, (time, _), *_ in found]),
             np.array([interval for _, (_, interval), *_ in found]).reshape(-1, 2),
@@ -56,7 +56,7 @@ class EachRotation:
         moving = self.a.moving(self.motions[motion])
         return RotationProblem(self.a, self.b, piece_of(moving, self.b, float(self.lasts[motion])))
 
-    def place(self, contacts: Contacts, k: int) -> Place:
+    def place(self, contacts: FirstContacts, k: int) -> Place:
         """Elements, point and normal of a contact."""
         motion = int(contacts.motions[k])
         return placed(self._problem(motion), contacts, k, self.a.moving(self.motions[motion]), self.b)

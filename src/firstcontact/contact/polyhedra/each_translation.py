@@ -9,7 +9,7 @@ from flint import fmpq, fmpz
 
 from firstcontact.body.kept import KeptOfTwo
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks, piece_of, placed
+from firstcontact.contact.polyhedra.each import FirstContacts, Place, Walked, Walks, piece_of, placed
 from firstcontact.contact.polyhedra.earliest import Pair
 from firstcontact.contact.polyhedra.problems.translation_problem import TranslationProblem, rows_of
 from firstcontact.exact.times.instants import RationalInstant
@@ -38,12 +38,12 @@ class EachTranslation:
             problem.most_tests(), self._whole.rests(x, y),
         )  # fmt: skip
 
-    def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:
+    def told(self) -> tuple[np.ndarray, np.ndarray, FirstContacts]:
         """FREE, MET, TIMED or OPEN, node visits and pair tests, of each motion; the contacts."""
         frame = rows_of(self.problem.frame)
         return self._contacts(self.walks.walked(np.empty(9), self.vectors, frame, self.lasts, self.lasts))
 
-    def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
+    def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, FirstContacts]:
         """What is told, work, and the contacts.
 
         The first of all candidates by the exact equation of each, where pairs of doubles have not told it.
@@ -68,7 +68,7 @@ class EachTranslation:
             k -= len(alone)
             return sorted(walked.named(others[np.sort(first[end[k] : end[k + 1]])]))
 
-        return walked.told, walked.work, Contacts(
+        return walked.told, walked.work, FirstContacts(
             np.append(walked.motions[alone], walked.motions[others[chosen]]),
             np.append(near, times),
             np.concatenate([_towards(near, rests), _around(times, gaps[chosen], speeds[chosen])]),
@@ -94,7 +94,7 @@ class EachTranslation:
         a, b = self.problem.a, self.problem.b
         return _WHOLE.of(a, b, lambda: _WholeVertices(a, b))
 
-    def place(self, contacts: Contacts, k: int) -> Place:
+    def place(self, contacts: FirstContacts, k: int) -> Place:
         """Elements, point and normal of a contact."""
         motion = int(contacts.motions[k])
         a, b = self.problem.a, self.problem.b

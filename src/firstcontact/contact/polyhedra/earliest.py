@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from firstcontact.exact.rigid import Matrix
     from firstcontact.exact.vectors import Vector
     from firstcontact.motion.relative.curved import CurvedPiece
-    from firstcontact.motion.relative.pieces import Piece
+    from firstcontact.motion.relative.pieces import MotionPiece
     from firstcontact.result import ExactTime
     from firstcontact.search.trees.touch import Touch
     from firstcontact.search.trees.tree import Tree
@@ -79,7 +79,7 @@ class Problem(Protocol):
     """After how many of them Spent is raised."""
 
     @property
-    def piece(self) -> Piece | CurvedPiece: ...
+    def piece(self) -> MotionPiece | CurvedPiece: ...
     @property
     def begin(self) -> tuple[float, float]: ...
     def window(self) -> tuple[float, float]: ...
@@ -127,7 +127,7 @@ class Searched(Problem, Protocol):
 
 
 @dataclass(slots=True)
-class Found:
+class FoundFirst:
     """What a search proved.
 
     instant   exact time of the first contact, None when there is none
@@ -157,7 +157,7 @@ class Found:
 
 def earliest(
     problem: Searched, budget: int | None = None, progress: Progress | None = None, with_start: bool = True
-) -> Found:
+) -> FoundFirst:
     """The first contact of the piece, proved.
 
     The float walk returns pairs that certainly meet and pairs it cannot decide.  Every undecided pair that could
@@ -165,7 +165,7 @@ def earliest(
     their lower bounds, until the next bound lies behind the best exact time.
     """
     state = borrow_state()
-    found = Found()
+    found = FoundFirst()
     try:
         _Search(problem, state, found, budget, progress).run(with_start)
     finally:
@@ -178,13 +178,13 @@ def earliest(
     return found
 
 
-def all_pairs(problem: Searched, with_start: bool = True) -> Found:
+def all_pairs(problem: Searched, with_start: bool = True) -> FoundFirst:
     """`pairs`: every vertex/face, edge/edge and face/vertex pair that meets in the piece; `start`: edges through
 
     faces at its start.  Undecided pairs are decided exactly.
     """
     state = borrow_state()
-    found = Found()
+    found = FoundFirst()
     try:
         search = _Search(problem, state, found, None, None)
         last, sure_last = problem.window()
@@ -206,7 +206,7 @@ def pairs_at_start(problem: Searched) -> list[tuple[Pair, bool]]:
     """All (edge, facet) pairs that share a point at the start of the piece, and whether they cross."""
     state = borrow_state()
     try:
-        search = _Search(problem, state, Found(), None, None)
+        search = _Search(problem, state, FoundFirst(), None, None)
         state.start(0.0, float("inf"), 0.0, float("-inf"), want_all=True)
         search.stop_at_start = False
         if not search.walk(with_start=True, all_sides=False) or search.doubtful:
@@ -223,7 +223,7 @@ def engine_of(problem: Problem, state: WalkState) -> str:
 
 class _Search:
     def __init__(
-        self, problem: Searched, state: WalkState, found: Found, budget: int | None, progress: Progress | None
+        self, problem: Searched, state: WalkState, found: FoundFirst, budget: int | None, progress: Progress | None
     ) -> None:
         self.problem, self.state, self.found = problem, state, found
         self.budget, self.progress = budget, progress

@@ -15,7 +15,7 @@ from firstcontact.contact.polyhedra.answers import (
     interval_of,
     join,
 )
-from firstcontact.contact.polyhedra.earliest import Found, Pair, all_pairs, earliest
+from firstcontact.contact.polyhedra.earliest import FoundFirst, Pair, all_pairs, earliest
 from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.prisms import in_one_plane, upright
@@ -26,7 +26,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.curved import CurvedPiece
-from firstcontact.motion.relative.pieces import Piece, curved_pieces, pieces
+from firstcontact.motion.relative.pieces import MotionPiece, curved_pieces, pieces
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
 from firstcontact.work import WORTH, NoMemory, Query, Spent
 
@@ -164,8 +164,9 @@ def _contact_intervals(query: Query) -> ContactIntervals:
 
 
 def _intervals_of(
-    ends: list[JoinedInterval], first: Piece | CurvedPiece, query: Query, stats: Stats, left: tuple[str, float] | None
-) -> ContactIntervals:
+    ends: list[JoinedInterval], first: MotionPiece | CurvedPiece, query: Query, stats: Stats,
+    left: tuple[str, float] | None,
+) -> ContactIntervals:  # fmt: skip
     """The answer; left: what stopped the search, and when."""
     intervals = tuple(interval_of(e, query.exact) for e in ends)
     if left is not None:
@@ -193,7 +194,7 @@ def pairs(query: Query) -> ContactPairs:
     return ContactPairs(tuple(named[0]), tuple(named[1]), undecided, _timed(stats, query.begin))
 
 
-def _pieces(query: Query) -> list[Piece | CurvedPiece]:
+def _pieces(query: Query) -> list[MotionPiece | CurvedPiece]:
     """The pieces of the relative motion; UnsupportedPair where exact times are asked of one that has none."""
     parts = pieces(query.a, query.b, query.first, query.last)
     if query.exact:
@@ -203,7 +204,7 @@ def _pieces(query: Query) -> list[Piece | CurvedPiece]:
     return parts
 
 
-def _starts_at_once(found: Found) -> bool:
+def _starts_at_once(found: FoundFirst) -> bool:
     return found.instant is not None and found.instant.is_zero()
 
 
@@ -213,7 +214,7 @@ def _undecided(reason: str, free_until: float, stats: Stats, query: Query) -> Fi
     )
 
 
-def _added(stats: Stats, found: Found | Windows) -> Stats:
+def _added(stats: Stats, found: FoundFirst | Windows) -> Stats:
     """The work so far with that of one more search."""
     return Stats(
         stats.node_visits + found.visits,

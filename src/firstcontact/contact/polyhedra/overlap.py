@@ -8,16 +8,16 @@ direction.
 from __future__ import annotations
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.earliest import Found, Searched, earliest, pairs_at_start
+from firstcontact.contact.polyhedra.earliest import FoundFirst, Searched, earliest, pairs_at_start
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.search.trees.cones import cones_overlap
 from firstcontact.search.trees.containment import component_labels, component_vertices, contains
 from firstcontact.search.trees.elements import Feature, vertices_of
 from firstcontact.search.trees.frame import tree_of
-from firstcontact.search.trees.shared_points import Resting, shared_points
+from firstcontact.search.trees.shared_points import RestingVertices, shared_points
 
 
-def initial_kind(problem: Searched, found: Found) -> str:
+def initial_kind(problem: Searched, found: FoundFirst) -> str:
     """ "touching" or "overlapping", for bodies whose surfaces share a point at the start.
 
     Overlapping: some point of one lies in the interior of the other, which is a solid.
@@ -43,7 +43,7 @@ def initial_kind(problem: Searched, found: Found) -> str:
 
 def _overlap(a: Polyhedron, b: Polyhedron) -> bool:
     """Whether bodies whose surfaces meet share interior points."""
-    resting = Resting(a, b)
+    resting = RestingVertices(a, b)
     shared = shared_points(resting)
     return (
         shared is None

@@ -17,7 +17,7 @@ from firstcontact.contact.polyhedra.problems.rotation_problem import RotationPro
 from firstcontact.contact.polyhedra.problems.translation_problem import TranslationProblem
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.exact.times.instants import RationalInstant
-from firstcontact.motion.relative.pieces import Piece
+from firstcontact.motion.relative.pieces import MotionPiece
 from firstcontact.pairs.elements.segment_facet import APART, TOUCHING
 from firstcontact.search.trees.containment import decide
 from firstcontact.search.trees.elements import Feature
@@ -26,7 +26,7 @@ from firstcontact.search.trees.elements import Feature
 class Standstill(TranslationProblem):
     """Bodies a and b at rest, as they stand at the opening of the turn."""
 
-    def __init__(self, a: Polyhedron, b: Polyhedron, piece: Piece, turn: RotationProblem) -> None:
+    def __init__(self, a: Polyhedron, b: Polyhedron, piece: MotionPiece, turn: RotationProblem) -> None:
         super().__init__(a, b, piece)
         self.turn = turn
 

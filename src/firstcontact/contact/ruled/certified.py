@@ -15,7 +15,7 @@ from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.clocks import StraightClock
 from firstcontact.result import ContactIntervals, ContactSet, FirstContact, Status
 from firstcontact.search.rulings.directrices import DirectrixPiece, directrix_pieces
-from firstcontact.search.rulings.ruled_events import RuledEvent, Search, first_event_of, outermost, sharpened
+from firstcontact.search.rulings.ruled_events import RuledEvent, RulingSearch, first_event_of, outermost, sharpened
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.search.trees.touch import carried_normal
 from firstcontact.timeline.answers import proved_intervals
@@ -38,7 +38,7 @@ class Pieces(NamedTuple):
 def first(pieces: Pieces, query: Query) -> FirstContact:
     """The first contact with an enclosure of its time; UNDECIDED where doubles do not tell."""
     (step, p, q), shared = pieces, query.shared
-    search = Search(p, q, inf if query.budget is None else query.budget)
+    search = RulingSearch(p, q, inf if query.budget is None else query.budget)
     budget = BUDGET if query.budget is None else query.budget
     found = first_event_of(search, query.first, query.end, query.tolerance, budget)
     stats = query.stats(found.boxes)

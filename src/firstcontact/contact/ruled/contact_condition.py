@@ -20,7 +20,7 @@ from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.contact.ruled.implicants import Signs, Term, implicants
 from firstcontact.contact.signs.conditions import Conditions, Range, conditions
-from firstcontact.contact.signs.exclusion import Box, Span, survivors
+from firstcontact.contact.signs.exclusion import ParameterBox, Span, survivors
 from firstcontact.contact.signs.fibres import Fibre, Moment, count
 from firstcontact.contact.signs.sheets import Sheet, TooLarge, candidates, critical_times, instants, samples, sheets
 from firstcontact.contact.signs.times import Times, enclosed, roots_of
@@ -60,7 +60,7 @@ Time = Fraction | AlgebraicNumber | None
 
 
 @dataclass(frozen=True)
-class Cell:
+class OpenCell:
     """An open cell of the plane of u and T: a point of it, the signs of the borders, how many v meet there."""
 
     u: Fraction
@@ -86,9 +86,9 @@ class ContactCondition:
         own += [p for sheet in sheets(c) if sheet.exchanged and sheet.f is not None for p in sheet.times]
         self._critical = list({str(p): p for p in own}.values())
         self._slices = self._sliced(self._borders, self._critical)
-        self._near: dict[Span, list[Box]] = {}
+        self._near: dict[Span, list[ParameterBox]] = {}
         """By times, where rulings may meet then."""
-        self.cells: tuple[Cell, ...] = tuple(cell for cells in self._slices for cell in cells)
+        self.cells: tuple[OpenCell, ...] = tuple(cell for cells in self._slices for cell in cells)
 
     @property
     def borders(self) -> tuple[str, ...]:
@@ -104,7 +104,7 @@ class ContactCondition:
             return number > 0
         return self.count[0] <= number <= self.count[1]
 
-    def _sliced(self, borders: Sequence[fmpz_mpoly], critical: Sequence[fmpz_poly]) -> list[list[Cell]]:
+    def _sliced(self, borders: Sequence[fmpz_mpoly], critical: Sequence[fmpz_poly]) -> list[list[OpenCell]]:
         """The cells that the borders bound at a time between every two critical ones."""
         c, found = self._conditions, []
         for t in samples(candidates(critical, *_limits(critical, self._span)), self._span):
@@ -113,7 +113,7 @@ class ContactCondition:
             for u in samples(roots_of(walls, c.u), c.u):
                 number = count(at_t, AlgebraicRoot.of(u), now, moment)
                 signs = tuple(sign(wall(u)) for wall in walls)
-                cells.append(Cell(fraction(u), fraction(t), signs, number, self._admits(number)))
+                cells.append(OpenCell(fraction(u), fraction(t), signs, number, self._admits(number)))
             found.append(cells)
         return found
 
@@ -341,7 +341,7 @@ def _far(sheet: Sheet) -> list[fmpz_mpoly]:
     return irreducible(coefficients(sheet.f, 1)[-1]) if sheet.f is not None and sheet.second is None else []
 
 
-def _signed(slices: Sequence[Sequence[Cell]], behind: Sequence[fmpz_poly]) -> Iterator[tuple[Cell, Signs]]:
+def _signed(slices: Sequence[Sequence[OpenCell]], behind: Sequence[fmpz_poly]) -> Iterator[tuple[OpenCell, Signs]]:
     """All cells with their signs, and after them those of polynomials in T."""
     for cells in slices:
         t = AlgebraicRoot.of(rational(cells[0].T, "T"))
@@ -350,15 +350,17 @@ def _signed(slices: Sequence[Sequence[Cell]], behind: Sequence[fmpz_poly]) -> It
             yield x, x.signs + own
 
 
-def _mixed_pairs(slices: Sequence[Sequence[Cell]], critical: Sequence[fmpz_poly]) -> list[tuple[Cell, Cell]]:
+def _mixed_pairs(
+    slices: Sequence[Sequence[OpenCell]], critical: Sequence[fmpz_poly]
+) -> list[tuple[OpenCell, OpenCell]]:
     """Cells of the same signs of which the first one holds and the other one does not."""
-    sides: dict[Signs, tuple[list[Cell], list[Cell]]] = {}
+    sides: dict[Signs, tuple[list[OpenCell], list[OpenCell]]] = {}
     for x, signs in _signed(slices, critical):
         sides.setdefault(signs, ([], []))[not x.holds].append(x)
     return [pair for some in sides.values() for pair in product(*some)][:MOST_PAIRS]
 
 
-def _parting(pairs: Sequence[tuple[Cell, Cell]], pool: Sequence[fmpz_mpoly]) -> list[fmpz_mpoly]:
+def _parting(pairs: Sequence[tuple[OpenCell, OpenCell]], pool: Sequence[fmpz_mpoly]) -> list[fmpz_mpoly]:
     """Few polynomials whose signs part each pair at its two places: of the pool, or lines between the places."""
     u, t, found = RING.gen(0), RING.gen(2), []
     left = list(pairs)
@@ -379,7 +381,7 @@ def _parting(pairs: Sequence[tuple[Cell, Cell]], pool: Sequence[fmpz_mpoly]) -> 
     return found
 
 
-def _told(slices: Sequence[Sequence[Cell]], critical: Sequence[fmpz_poly]) -> list[Term] | None:
+def _told(slices: Sequence[Sequence[OpenCell]], critical: Sequence[fmpz_poly]) -> list[Term] | None:
     """Terms in the signs of the cells, and behind them those of the critical times, that tell which cells hold."""
     for behind in ((), critical):
         sides: dict[bool, list[Signs]] = {True: [], False: []}

@@ -19,9 +19,9 @@ from flint import fmpq
 
 from firstcontact.exact.numbers import above, ball_bounds, below, exact_value
 from firstcontact.kernels.rulings.search import ALL_EVENTS, DONE, SURE
-from firstcontact.search.rulings.ruled_events import ROUNDINGS, Held, RuledContact, Search, first_event_of
+from firstcontact.search.rulings.ruled_events import ROUNDINGS, Held, RuledContact, RulingSearch, first_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
-from firstcontact.timeline.sweep import Found, Open, Sweep, Touch
+from firstcontact.timeline.sweep import FirstTouch, Found, TimeSweep, Unproved
 from firstcontact.work import Work
 
 REACHES = tuple(2.0**-k for k in (6, 9))
@@ -45,7 +45,7 @@ SHARED = np.zeros(0)
 """Stands for a common point, which no proof here asks for."""
 
 
-class Way(NamedTuple):
+class TimeWay(NamedTuple):
     """A stretch of time for the sweep; its times run backwards where the pieces are to be seen at times -t."""
 
     first: float
@@ -82,23 +82,23 @@ class Known(NamedTuple):
     visits: int
 
 
-class _Pair:
+class _PieceTimes:
     """Both pieces, forwards and backwards, as the sweep asks for free time and lasting contact."""
 
     def __init__(self, p: RuledPiece, q: RuledPiece, span: float, width: float, budget: int | None) -> None:
         self.pieces, self.span, self.width = (p, q), span, width
         self.most = BUDGET if budget is None else budget
         self.limit = math.inf if budget is None else budget
-        self.searches: dict[bool, Search] = {}
+        self.searches: dict[bool, RulingSearch] = {}
         self.known: dict[bool, Known] = {}
         """Backwards and forwards, the state asked for last."""
 
-    def search(self, way: Way) -> Search:
+    def search(self, way: TimeWay) -> RulingSearch:
         if way.backwards not in self.searches:
             p, q = self.pieces
             if way.backwards:
                 p, q = p.reversed(), q.reversed()
-            self.searches[way.backwards] = Search(p, q, self.limit)
+            self.searches[way.backwards] = RulingSearch(p, q, self.limit)
         return self.searches[way.backwards]
 
     def allowed(self, boxes: int) -> int:
@@ -109,7 +109,7 @@ class _Pair:
     def visits(self) -> int:
         return sum(s.spent for s in self.searches.values())
 
-    def state(self, way: Way, t: float) -> bool | None:
+    def state(self, way: TimeWay, t: float) -> bool | None:
         """Whether there is contact at t."""
         known = self.known.get(way.backwards)
         if known is None or known.time != t:
@@ -120,7 +120,7 @@ class _Pair:
             self.known[way.backwards] = known
         return known.state
 
-    def first_event(self, way: Way, t: float, end: float, width: float) -> RuledContact:
+    def first_event(self, way: TimeWay, t: float, end: float, width: float) -> RuledContact:
         """The first contact from t to `end`, its time enclosed within `width` where that is possible."""
         search = self.search(way)
         for _ in range(ROUNDS):
@@ -131,20 +131,21 @@ class _Pair:
             t = found.free_until
         return found
 
-    def changes(self, way: Way, t: float, end: float) -> Iterator[tuple[list[Change], float]]:
+    def changes(self, way: TimeWay, t: float, end: float) -> Iterator[tuple[list[Change], float]]:
         """(all changes from t on, in order, to a time up to `end`), ever closer up."""
         yield from self.in_doubles(way, t, end)
         yield from self.in_balls(way, t, end)
 
-    def in_doubles(self, way: Way, t: float, end: float) -> Iterator[tuple[list[Change], float]]:
+    def in_doubles(self, way: TimeWay, t: float, end: float) -> Iterator[tuple[list[Change], float]]:
         """As `changes`: once, where they are few enough."""
         return islice(self._closer(self.in_doubles_until, REACHES, way, t, end), 1)
 
-    def in_balls(self, way: Way, t: float, end: float) -> Iterator[tuple[list[Change], float]]:
+    def in_balls(self, way: TimeWay, t: float, end: float) -> Iterator[tuple[list[Change], float]]:
         return self._closer(self.in_balls_until, CLOSE_REACHES, way, t, end)
 
     def _closer(
-        self, listed: Callable[[Way, float, float], list[Change] | None], reaches: Sequence[float], way: Way, t: float,
+        self, listed: Callable[[TimeWay, float, float], list[Change] | None],
+        reaches: Sequence[float], way: TimeWay, t: float,
         end: float,
     ) -> Iterator[tuple[list[Change], float]]:
         for reach in reaches:
@@ -153,7 +154,7 @@ class _Pair:
             if found is not None:
                 yield found, until
 
-    def in_doubles_until(self, way: Way, t: float, until: float) -> list[Change] | None:
+    def in_doubles_until(self, way: TimeWay, t: float, until: float) -> list[Change] | None:
         s = self.search(way)
         if s.run(t, until, ALL_EVENTS, self.width, self.allowed(EVENTS_BUDGET)) != DONE:
             return None
@@ -164,7 +165,7 @@ class _Pair:
             rows.append(Change(lo, hi, bool(s.found_kinds[k, SURE])))
         return self._merged(rows)
 
-    def in_balls_until(self, way: Way, t: float, until: float) -> list[Change] | None:
+    def in_balls_until(self, way: TimeWay, t: float, until: float) -> list[Change] | None:
         listed = self.search(way).listed(t, self.width, until - t, self.allowed(BALLS_BUDGET), MOST_IN_BALLS)
         if listed is None:
             return None
@@ -183,30 +184,30 @@ class _Pair:
 
 
 class _Free:
-    def __init__(self, pair: _Pair) -> None:
+    def __init__(self, pair: _PieceTimes) -> None:
         self.pair = pair
 
-    def at(self, way: Way, t: float) -> bool:
+    def at(self, way: TimeWay, t: float) -> bool:
         return self.pair.state(way, t) is False
 
-    def near_start(self, way: Way) -> list[np.ndarray]:
+    def near_start(self, way: TimeWay) -> list[np.ndarray]:
         return []
 
 
 class _Lasting:
     worth: ClassVar[int] = 1
 
-    def __init__(self, pair: _Pair) -> None:
+    def __init__(self, pair: _PieceTimes) -> None:
         self.pair = pair
 
-    def deepest(self, way: Way, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
+    def deepest(self, way: TimeWay, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
         return SHARED if self.pair.state(way, t) else None
 
-    def anywhere(self, way: Way, t: float) -> np.ndarray | None:
+    def anywhere(self, way: TimeWay, t: float) -> np.ndarray | None:
         return self.deepest(way, t, ())
 
     def until(
-        self, way: Way, t: float, end: float, point: np.ndarray, least: float, step: Callable[[], None]
+        self, way: TimeWay, t: float, end: float, point: np.ndarray, least: float, step: Callable[[], None]
     ) -> tuple[float, np.ndarray]:
         """(a time up to which there is contact from t on, a common point then)."""
         pair, search = self.pair, self.pair.search(way)
@@ -241,16 +242,16 @@ def _tries(length: float, held: Held, budget: int) -> Iterator[tuple[float, Held
         yield length / 4**k, held, NEARBY, NEAR_BUDGET
 
 
-class _RuledSweep(Sweep[Way]):
+class _RuledSweep(TimeSweep[TimeWay]):
     most_turns = 200
 
     def __init__(
         self, p: RuledPiece, q: RuledPiece, first: fmpq, last: fmpq, tolerance: float, work: Work
     ) -> None:
-        way = Way(below(first), above(last), below(last), False)
+        way = TimeWay(below(first), above(last), below(last), False)
         span = way.last - way.first
         width = max(tolerance * span, 10 * ROUNDINGS * max(abs(way.first), abs(way.last)))
-        self.pair = _Pair(p, q, span, 0.1 * width, work.budget)
+        self.pair = _PieceTimes(p, q, span, 0.1 * width, work.budget)
         free: Any = _Free(self.pair)  # more is not asked of it here
         super().__init__(free, _Lasting(self.pair), [way], width, work, lambda: None)
 
@@ -264,22 +265,22 @@ class _RuledSweep(Sweep[Way]):
         """Count the boxes since the last time."""
         self.work.done = self.pair.visits
         if self.work.budget is None and self.work.done > BUDGET:
-            raise Open(self.reached)
+            raise Unproved(self.reached)
         super()._step(worth)
 
-    def _ahead(self, way: Way, t: float) -> Iterator[float]:
+    def _ahead(self, way: TimeWay, t: float) -> Iterator[float]:
         return (x for x in super()._ahead(way, t) if x - t >= AHEAD * self.pair.span or x == way.last)
 
-    def _mirrored(self, way: Way) -> Way:
-        return Way(-way.last, -way.first, -math.nextafter(way.first, math.inf), not way.backwards)
+    def _mirrored(self, way: TimeWay) -> TimeWay:
+        return TimeWay(-way.last, -way.first, -math.nextafter(way.first, math.inf), not way.backwards)
 
-    def touch(self, way: Way, t: float, end: float) -> Touch | None:
+    def touch(self, way: TimeWay, t: float, end: float) -> FirstTouch | None:
         found = self.pair.first_event(way, t, end, self.width)
         if found.status == "free":
             return None
         lo = max(t, found.free_until)
         if found.time_interval is None:
-            return Touch(lo, lo, sure=False)
+            return FirstTouch(lo, lo, sure=False)
         hi = max(lo, found.time_interval[1])
         for listed in (self.pair.in_doubles, self.pair.in_balls):
             for changes, reached in listed(way, lo, end):
@@ -288,21 +289,23 @@ class _RuledSweep(Sweep[Way]):
                 after = self._between(way, max(hi, changes[0].hi), changes[1].lo if len(changes) > 1 else reached)
                 if after is not None:
                     at, state = after
-                    return Touch(lo, hi, True, at, SHARED) if state else Touch(lo, max(hi, changes[0].hi), True, at)
+                    if state:
+                        return FirstTouch(lo, hi, True, at, SHARED)
+                    return FirstTouch(lo, max(hi, changes[0].hi), True, at)
             at = min(lo + 0.9 * self.width, end, way.inner)
             if hi <= at and self.pair.state(way, at):
-                return Touch(lo, at, True, at, SHARED)
-        return Touch(lo, hi)
+                return FirstTouch(lo, at, True, at, SHARED)
+        return FirstTouch(lo, hi)
 
-    def _lost_before(self, way: Way, t: float, later: float, point: np.ndarray) -> float | None:
+    def _lost_before(self, way: TimeWay, t: float, later: float, point: np.ndarray) -> float | None:
         try:
             return super()._lost_before(way, t, later, point)
-        except Open:
+        except Unproved:
             if self.pair.in_balls_until(way, t, later) == []:
                 return None
             raise
 
-    def _finer(self, way: Way, t: float) -> tuple[float, np.ndarray | None]:
+    def _finer(self, way: TimeWay, t: float) -> tuple[float, np.ndarray | None]:
         """As `_enter` or `_leave`: by all changes from t on."""
         self._step()
         for changes, reached in self.pair.changes(way, t, way.last):
@@ -315,7 +318,7 @@ class _RuledSweep(Sweep[Way]):
             known = [x for x in after if x is not None]
             if len(known) == len(changes):
                 return self._passed(changes, known, reached)
-        raise Open(t)
+        raise Unproved(t)
 
     def _passed(
         self, changes: list[Change], after: list[tuple[float, bool]], reached: float
@@ -324,7 +327,7 @@ class _RuledSweep(Sweep[Way]):
         contact = self.start is not None
         for change, (at, state) in zip(changes, after, strict=True):
             if not contact and not state and not change.is_contact:
-                raise Open(change.lo)
+                raise Unproved(change.lo)
             if not contact and (state or change.is_contact):
                 self.start, self.turns = (change.lo, change.hi), 0
             if not state:
@@ -332,7 +335,7 @@ class _RuledSweep(Sweep[Way]):
             contact, self.reached = state, at
         return reached, SHARED if contact else None
 
-    def _between(self, way: Way, lo: float, hi: float) -> tuple[float, bool] | None:
+    def _between(self, way: TimeWay, lo: float, hi: float) -> tuple[float, bool] | None:
         """(a time from lo to hi, whether there is contact then); None where no such time shows that."""
         for share in (0.5, 0.9):
             t = lo + share * (hi - lo)

@@ -22,7 +22,7 @@ from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.contact.ruled.certified import BUDGET, described
 from firstcontact.contact.ruled.intervals import certified_intervals
 from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, triangles_of
-from firstcontact.contact.ruled.trimmed_cells import MOST_DEPTH, Cell
+from firstcontact.contact.ruled.trimmed_cells import MOST_DEPTH, PieceCell
 from firstcontact.contact.signs.conditions import check_weight
 from firstcontact.contact.swapped import swapped
 from firstcontact.errors import UnsupportedPair
@@ -37,7 +37,7 @@ from firstcontact.motion.relative.polynomial import PolynomialPiece
 from firstcontact.result import ContactIntervals, ContactSet, FirstContact, Status
 from firstcontact.search.rulings.directrices import signed
 from firstcontact.search.rulings.posed_pieces import PosedPiece, PoseWindow, in_local_time, pose_windows
-from firstcontact.search.rulings.ruled_events import RuledContact, Search, first_event_of, sharpened
+from firstcontact.search.rulings.ruled_events import RuledContact, RulingSearch, first_event_of, sharpened
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.timeline.answers import proved_intervals
 from firstcontact.timeline.sweep import Certified, Found
@@ -59,7 +59,7 @@ class _Found:
     """What is proved of two cells in a window, in true time."""
 
     contact: RuledContact
-    cells: tuple[Cell, Cell]
+    cells: tuple[PieceCell, PieceCell]
     free_until: float
     interval: tuple[float, float] | None
 
@@ -222,7 +222,7 @@ class _Pair:
     def __init__(self, query: Query) -> None:
         self.query, self.bodies, self.first, self.last = query, query.bodies, query.first, query.end
         self.interior = Interior.of(*query.bodies)
-        self.cells: list[list[Cell]] = []
+        self.cells: list[list[PieceCell]] = []
         for body in query.bodies:
             shape = shape_of(body)
             pieces = triangles_of(shape) if isinstance(shape, Polyhedron) else shape.pieces
@@ -231,10 +231,10 @@ class _Pair:
                     raise UnsupportedPair(f"{piece!r} has whole rulings, which doubles do not take; bound s")
                 for side in piece.sides:
                     check_weight(piece, side, (self.first, self.last))
-            self.cells.append([Cell.of(piece, number) for number, piece in enumerate(pieces)])
+            self.cells.append([PieceCell.of(piece, number) for number, piece in enumerate(pieces)])
         self.piece_of = cache(self._piece_of)
 
-    def _piece_of(self, cell: Cell) -> RuledPiece:
+    def _piece_of(self, cell: PieceCell) -> RuledPiece:
         surface = cell.surface
         return RuledPiece.of(signed(surface.sides, surface, (self.first + self.last) / 2), surface.u)
 
@@ -254,7 +254,7 @@ class _Pair:
         still = PolynomialPiece(t, t, projective.fixed(pose), t, t, StraightClock(), True, "a body at the start")
         return self.interior.holds(still, t)
 
-    def near(self, window: PoseWindow) -> list[tuple[Cell, Cell]]:
+    def near(self, window: PoseWindow) -> list[tuple[PieceCell, PieceCell]]:
         """The cells that may meet."""
         if all(len(own) == 1 for own in self.cells):
             return [(self.cells[0][0], self.cells[1][0])]
@@ -266,12 +266,12 @@ class _Pair:
             raise UnsupportedPair(f"{who}: {len(found)} pairs of pieces and triangles come near each other, too many")
         return [(self.cells[0][i], self.cells[1][j]) for i, j in found]
 
-    def searched(self, window: PoseWindow, a: Cell, b: Cell, work: Work) -> _Found:
+    def searched(self, window: PoseWindow, a: PieceCell, b: PieceCell, work: Work) -> _Found:
         budget = BUDGET if work.budget is None else work.budget - work.done
         if budget <= 0:
             raise Spent
         p, q = PosedPiece.posed(self.piece_of(a), window), in_local_time(self.piece_of(b), window)
-        search = Search(p, q, math.inf if work.budget is None else budget)
+        search = RulingSearch(p, q, math.inf if work.budget is None else budget)
         found = first_event_of(search, fmpq(-1), fmpq(1), self.local(window), budget)
         if found.status == "contact":
             found = sharpened(search, found, 2.0 * self.local(window), budget)
@@ -279,7 +279,7 @@ class _Pair:
         interval = None if found.time_interval is None else window.true_times(*found.time_interval)
         return _Found(found, (a, b), window.true_times(found.free_until, 1.0)[0], interval)
 
-    def followed(self, window: PoseWindow, a: Cell, b: Cell, work: Work) -> Found:
+    def followed(self, window: PoseWindow, a: PieceCell, b: PieceCell, work: Work) -> Found:
         """All contacts of two pieces in a window."""
         p, q = PosedPiece.posed(self.piece_of(a), window), in_local_time(self.piece_of(b), window)
         own = Work(None if work.budget is None else max(work.budget - work.done, 1), None)

@@ -22,7 +22,7 @@ Range = tuple[fmpq, fmpq]
 
 
 @dataclass(frozen=True, eq=False)
-class Cell:
+class PieceCell:
     """piece: the given one; number: its own in the body; u, s: ranges, None where the piece is not trimmed."""
 
     piece: RuledSurface
@@ -32,7 +32,7 @@ class Cell:
     depth: int = 0
 
     @classmethod
-    def of(cls, piece: RuledSurface, number: int) -> Cell:
+    def of(cls, piece: RuledSurface, number: int) -> PieceCell:
         """The whole piece, its rulings bounded."""
         if not piece.trim:
             return cls(piece, number)
@@ -67,12 +67,12 @@ class Cell:
         return [_range(terms(trim.polynomial), self.u, self.s) for trim in self.piece.trim]
 
     @cached_property
-    def quarters(self) -> list[Cell]:
+    def quarters(self) -> list[PieceCell]:
         """Those that may hold points of the piece."""
         if self.u is None or self.s is None or self.depth == MOST_DEPTH:
             return []
         halves = [(u, s) for u in _halves(self.u) for s in _halves(self.s)]
-        cells = (Cell(self.piece, self.number, u, s, self.depth + 1) for u, s in halves)
+        cells = (PieceCell(self.piece, self.number, u, s, self.depth + 1) for u, s in halves)
         return [cell for cell in cells if not cell.is_out]
 
 

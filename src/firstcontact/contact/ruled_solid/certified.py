@@ -28,11 +28,11 @@ from firstcontact.search.convex.advance import Advance
 from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.event_tables import Tables
 from firstcontact.search.events.events import MOST_BOXES
-from firstcontact.search.events.ruled_charts import RuledFeature, Sheet, ruled_tables, sheets_of
-from firstcontact.search.events.ruled_solids import RuledContact, RuledSearch
+from firstcontact.search.events.ruled_charts import ChartSheet, RuledFeature, ruled_tables, sheets_of
+from firstcontact.search.events.ruled_solids import RuledSearch, RuledSolidContact
 from firstcontact.timeline.answers import proved_intervals
-from firstcontact.timeline.lasting import Solid
-from firstcontact.timeline.sweep import Sweep
+from firstcontact.timeline.lasting import LastingSolid
+from firstcontact.timeline.sweep import TimeSweep
 from firstcontact.work import Query, Work
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class RuledAndSolid:
         self.model: CompositeQuadric = shape_of(solid)
         try:
             trims = [(given, reversed_trims(given)) for given in map(local_trims, shapes[self.side].pieces)]
-            self.sheets: list[Sheet] = sheets_of(shapes[self.side], trims)
+            self.sheets: list[ChartSheet] = sheets_of(shapes[self.side], trims)
             self.tables: Tables = ruled_tables(
                 shapes[self.side], self.sheets, self.model, self.side, self.span
             )
@@ -67,7 +67,7 @@ class RuledAndSolid:
         return RuledFree(self.bodies, self.side, self.tables, self.sheets, self.windows, width, work)
 
     def lasting(self) -> RuledLasting:
-        return RuledLasting(self.sheets, Solid(self.model), self.side, self.windows)
+        return RuledLasting(self.sheets, LastingSolid(self.model), self.side, self.windows)
 
 
 def _as_model(body: Body) -> Model:
@@ -123,7 +123,7 @@ def _initial(pair: RuledAndSolid, search: RuledSearch) -> str | None:
     return "overlapping" if search.has_points_outside(pair.first) else None
 
 
-def _soon(pair: RuledAndSolid, contact: RuledContact, width: float) -> tuple[float, float, np.ndarray] | None:
+def _soon(pair: RuledAndSolid, contact: RuledSolidContact, width: float) -> tuple[float, float, np.ndarray] | None:
     """(lo, a time within the width after it, a point proved common then), where the event itself is no help."""
     if contact.boxes is None:
         return None
@@ -141,7 +141,7 @@ def _soon(pair: RuledAndSolid, contact: RuledContact, width: float) -> tuple[flo
     return None
 
 
-def _contact(pair: RuledAndSolid, contact: RuledContact, shared: dict[str, Any]) -> FirstContact:
+def _contact(pair: RuledAndSolid, contact: RuledSolidContact, shared: dict[str, Any]) -> FirstContact:
     found = contact.found
     assert found.time_interval is not None and found.point is not None
     assert contact.feature is not None and contact.other is not None
@@ -177,5 +177,5 @@ def intervals(query: Query, work: Work) -> ContactIntervals:
     """All closed times of contact, with enclosures of their ends, as far as doubles prove them."""
     pair = RuledAndSolid(query)
     width = query.tolerance * (pair.windows[-1].last - pair.windows[0].first)
-    found = Sweep(pair.free(width, work), pair.lasting(), pair.windows, width, work, lambda: None).run()
+    found = TimeSweep(pair.free(width, work), pair.lasting(), pair.windows, width, work, lambda: None).run()
     return proved_intervals(found, work, query)

@@ -17,9 +17,9 @@ from firstcontact.kernels.events.event_search import CHART, FREE
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.events import events
 from firstcontact.search.events.event_tables import Tables
-from firstcontact.search.events.ruled_charts import Cut, RuledFeature, Sheet, backwards
-from firstcontact.search.events.ruled_solids import STAGES, Event, RuledSearch
-from firstcontact.timeline.lasting import BITS, SIGNS, Lasting, Solid, descended, linear
+from firstcontact.search.events.ruled_charts import ChartSheet, RuledFeature, TrimCut, backwards
+from firstcontact.search.events.ruled_solids import STAGES, RuledSearch, RuledSolidEvent
+from firstcontact.timeline.lasting import BITS, SIGNS, Lasting, LastingSolid, descended, linear
 from firstcontact.work import Work
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class RuledFree:
     """As `contact.models.intervals` asks for free time."""
 
     def __init__(
-        self, bodies: tuple[Body, Body], side: int, tables: Tables, sheets: list[Sheet], parts: list[Window],
+        self, bodies: tuple[Body, Body], side: int, tables: Tables, sheets: list[ChartSheet], parts: list[Window],
         width: float, work: Work,
     ) -> None:
         self.bodies, self.side, self.tables, self.width, self.work = bodies, side, tables, width, work
@@ -86,7 +86,7 @@ class RuledFree:
     def passage(self, window: Window, t: float) -> None:
         return None
 
-    def _seed(self, event: Event) -> np.ndarray:
+    def _seed(self, event: RuledSolidEvent) -> np.ndarray:
         return np.array([self.numbers[id(event.own.sheet)], *(to_double(c) for c in event.place)])
 
     def places(self, boxes: np.ndarray) -> list[np.ndarray]:
@@ -113,7 +113,7 @@ class RuledLasting(Lasting[np.ndarray]):
 
     worth: ClassVar[int] = 400
 
-    def __init__(self, sheets: list[Sheet], solid: Solid, side: int, parts: list[Window]) -> None:
+    def __init__(self, sheets: list[ChartSheet], solid: LastingSolid, side: int, parts: list[Window]) -> None:
         super().__init__()
         self.sheets, self.solid, self.side, self.windows = sheets, solid, side, parts
         self.tables = [_doubles(sheet) for sheet in sheets]
@@ -231,7 +231,7 @@ class RuledLasting(Lasting[np.ndarray]):
         return np.concatenate([AROUND, mixed])
 
 
-def _doubles(sheet: Sheet) -> np.ndarray:
+def _doubles(sheet: ChartSheet) -> np.ndarray:
     """(m, 2, n, 4) coefficients of powers of T, of either side, ascending; all over the largest."""
     blocks = sheet, *sheet.later
     largest = max(abs(c) for block in blocks for side in (block.first, block.second) for p in side for c in p.coeffs())
@@ -244,7 +244,7 @@ def _doubles(sheet: Sheet) -> np.ndarray:
     return table
 
 
-def _cut_in_doubles(cut: Cut) -> np.ndarray:
+def _cut_in_doubles(cut: TrimCut) -> np.ndarray:
     """(n, m) coefficients of x^i s^j, the largest 1."""
     table = np.zeros(np.add(cut.degrees, 1))
     for j, p in enumerate(cut.powers):

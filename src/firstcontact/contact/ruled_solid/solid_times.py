@@ -14,8 +14,8 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.contact.ruled_solid.solid_conditions import SolidConditions
-from firstcontact.contact.signs.exclusion import Box, Span, clusters, powers, signs_over, survivors
-from firstcontact.contact.signs.shared_points import Contact
+from firstcontact.contact.signs.exclusion import ParameterBox, Span, clusters, powers, signs_over, survivors
+from firstcontact.contact.signs.shared_points import FieldPoint
 from firstcontact.contact.signs.sheets import FARTHEST, Reach, dyadic_between
 from firstcontact.contact.signs.times import Times, enclosed
 from firstcontact.exact.fields.roots import AlgebraicRoot, roots_in
@@ -56,13 +56,13 @@ class HeldTimes:
         yield lo, True, True
         yield hi, True, False
 
-    def contacts(self, t: AlgebraicRoot, most: int = 8) -> list[Contact]:
+    def contacts(self, t: AlgebraicRoot, most: int = 8) -> list[FieldPoint]:
         return self._then(t).contacts(t, most)
 
-    def contacts_from(self, t: AlgebraicRoot, lasts: bool) -> list[Contact]:
+    def contacts_from(self, t: AlgebraicRoot, lasts: bool) -> list[FieldPoint]:
         return self.contacts(t)
 
-    def contact_at_start(self) -> list[Contact]:
+    def contact_at_start(self) -> list[FieldPoint]:
         return self._then(AlgebraicRoot.of(self.span[0])).contact_at_start()
 
     def is_isolated(self, t: AlgebraicRoot) -> bool:
@@ -131,7 +131,7 @@ class _Stretches:
         if len(_merged(self.found)) > MOST:
             self.found = None
 
-    def _active(self, boxes: Sequence[Box], span: Span) -> Active:
+    def _active(self, boxes: Sequence[ParameterBox], span: Span) -> Active:
         """Polynomials that may vanish in the boxes, all in the span."""
         found: set[int] = set()
         for inverse in {box.inverse for box in boxes}:
@@ -164,7 +164,7 @@ def _inner(end: fmpq, t: fmpq) -> fmpq:
     return dyadic_between(min(end, near), max(end, near))
 
 
-def _hull(boxes: Sequence[Box]) -> tuple[Span, Span]:
+def _hull(boxes: Sequence[ParameterBox]) -> tuple[Span, Span]:
     parts = [(box.u, box.v) for box in boxes]
     lowest, highest = [[end(part[k][i] for part in parts) for k in (0, 1)] for i, end in ((0, min), (1, max))]
     return (lowest[0], highest[0]), (lowest[1], highest[1])

@@ -11,12 +11,12 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import borders, outcomes
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.ruled_solid.solid_conditions import SolidConditions
-from firstcontact.contact.signs.shared_points import Contact, vanishes
+from firstcontact.contact.signs.shared_points import FieldPoint, vanishes
 from firstcontact.contact.signs.sheets import Sheet, samples, sheets
 from firstcontact.contact.signs.times import Times, between_borders, roots_of
 from firstcontact.contact.signs.touches import (
+    RuledTouch,
     Ruling,
-    Touch,
     curve_slopes,
     cut_slopes,
     element_kind,
@@ -47,7 +47,7 @@ def _value_sign(f: fmpz_mpoly, u: fmpq, s: fmpq, t: fmpq) -> int:
     return sign(univariate(at(at(at(f, 2, t), 1, s), 0, u), 0)[0])
 
 
-def solid_touch(contact: Contact, joined: frozenset[str]) -> Touch:
+def solid_touch(contact: FieldPoint, joined: frozenset[str]) -> RuledTouch:
     """A shared point in the solid's frame; of the solid's element the feature itself stands in place of its number.
 
     joined: borders of the piece that are none of the body.
@@ -71,10 +71,10 @@ def solid_touch(contact: Contact, joined: frozenset[str]) -> Touch:
     tangents = _tangents(contact, c, own, ruling)
     normal = None if feature is None else _normal(c.solid, feature, signs, point, tangents)
     place = shown_parameter(contact.u, contact.inverse[0]), in_double(contact.v), np.nan, None
-    return Touch(point, (own, (kind, feature)), place, normal, point[None])  # type: ignore[arg-type]
+    return RuledTouch(point, (own, (kind, feature)), place, normal, point[None])  # type: ignore[arg-type]
 
 
-def _sign_at(contact: Contact, f: fmpz_mpoly) -> int:
+def _sign_at(contact: FieldPoint, f: fmpz_mpoly) -> int:
     x = contact.value(f)
     return 0 if vanishes(contact, x, sum(abs(int(c)) for c in f.coeffs())) else number_field.sign(x)
 
@@ -115,7 +115,7 @@ def _distance(edge: Edge, point: np.ndarray) -> float:
     return float(np.inf)
 
 
-def _tangents(contact: Contact, c: SolidConditions, own: tuple[str, int], ruling: Ruling) -> list[np.ndarray]:
+def _tangents(contact: FieldPoint, c: SolidConditions, own: tuple[str, int], ruling: Ruling) -> list[np.ndarray]:
     """Unit tangents of the piece's element, in the solid's frame."""
     s = in_double(contact.v)
     way = np.array([in_double(w) for w in ruling.way])

@@ -15,7 +15,7 @@ from flint import arb, arb_mat, fmpz_mpoly
 
 from firstcontact.contact.signs.conditions import SignConditions
 from firstcontact.contact.signs.exclusion import (
-    Box,
+    ParameterBox,
     boxes_of,
     clusters,
     search,
@@ -35,7 +35,7 @@ WORTH = 3
 VISITS, DEPTH = 600, 45
 
 
-def closer(c: SignConditions, t: AlgebraicRoot, boxes: Sequence[Box]) -> list[Box]:
+def closer(c: SignConditions, t: AlgebraicRoot, boxes: Sequence[ParameterBox]) -> list[ParameterBox]:
     """The parts of the boxes that may hold contacts at the instant t, or all; none proves that there is none."""
     if t.polynomial.degree() < WORTH:
         return list(boxes)
@@ -46,18 +46,18 @@ def closer(c: SignConditions, t: AlgebraicRoot, boxes: Sequence[Box]) -> list[Bo
             for inverse, chart in c.charts.items()
             if (own := [box for box in boxes if box.inverse == inverse])
             for u, v in clusters(own)
-            for part in _parts(chart, t, Box(inverse, u, v, own[0].t))
+            for part in _parts(chart, t, ParameterBox(inverse, u, v, own[0].t))
         ]
         if not 0 < _area(boxes) < SHRUNK * before:
             break
     return list(boxes)
 
 
-def _area(boxes: Sequence[Box]) -> float:
+def _area(boxes: Sequence[ParameterBox]) -> float:
     return float(sum((to_double((box.u[1] - box.u[0]) * (box.v[1] - box.v[0])) for box in boxes), 0.0))
 
 
-def _parts(c: SignConditions, t: AlgebraicRoot, group: Box) -> list[Box]:
+def _parts(c: SignConditions, t: AlgebraicRoot, group: ParameterBox) -> list[ParameterBox]:
     """Those of one group, in its chart."""
     now = t.enclosure(BITS)
     m, n = (max(degree(f, k) for f in c.polynomials) for k in (0, 1))

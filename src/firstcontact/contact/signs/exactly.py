@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from flint import arb, ctx, fmpq
 
-from firstcontact.contact.signs.shared_points import Contact
+from firstcontact.contact.signs.shared_points import FieldPoint
 from firstcontact.contact.signs.sheets import between
-from firstcontact.contact.signs.touches import Touch, most_of
+from firstcontact.contact.signs.touches import RuledTouch, most_of
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
@@ -53,7 +53,7 @@ class PiecePair:
 
     motion: PolynomialPiece
     times: Any
-    touch: Callable[[Contact], Touch]
+    touch: Callable[[FieldPoint], RuledTouch]
     named: Callable[[tuple[str, Any], str], Element | None]
     lies: Callable[[fmpq], str] = lambda u: "touching"
 
@@ -70,7 +70,7 @@ class Holding(Protocol):
 
 Stretches = Iterable[tuple[PolynomialPiece, list[PiecePair]]]
 """The pieces of the relative motion in time order, with the pairs of pieces of the bodies that may meet."""
-Windows = list[tuple["End", "End"]]
+Windows = list[tuple["TimeEnd", "TimeEnd"]]
 
 
 def span_of(motion: PolynomialPiece) -> tuple[fmpq, fmpq]:
@@ -82,7 +82,7 @@ def span_of(motion: PolynomialPiece) -> tuple[fmpq, fmpq]:
 
 
 @dataclass(frozen=True)
-class End:
+class TimeEnd:
     """A time: a value of the motion's parameter, or an end of the piece of motion."""
 
     motion: PolynomialPiece
@@ -90,13 +90,13 @@ class End:
     time: fmpq | None
 
     @classmethod
-    def of(cls, motion: PolynomialPiece, root: AlgebraicRoot) -> End:
+    def of(cls, motion: PolynomialPiece, root: AlgebraicRoot) -> TimeEnd:
         assert motion.end is not None
         if motion.clock.compare(root, motion.start) <= 0:
             return cls(motion, root, motion.start)
         return cls(motion, root, motion.end if motion.clock.compare(root, motion.end) >= 0 else None)
 
-    def compare(self, other: End) -> int:
+    def compare(self, other: TimeEnd) -> int:
         """Of two ends in one piece of motion."""
         if self.time is not None and other.time is not None:
             return int(self.time > other.time) - int(self.time < other.time)
@@ -150,7 +150,7 @@ def first(query: Query, stretches: Stretches, interior: Holding | None, work: Wo
     try:
         for motion, pairs in stretches:
             starts = [(start, pair, lasts) for pair in pairs for start, lasts in _starts(pair)]
-            earliest = min((start for start, _, _ in starts), key=cmp_to_key(End.compare), default=None)
+            earliest = min((start for start, _, _ in starts), key=cmp_to_key(TimeEnd.compare), default=None)
             at_start = earliest is not None and earliest.time == query.first
             if interior is not None and motion.start == query.first and not at_start:
                 end = AlgebraicRoot.of(motion.u_hi) if earliest is None else earliest.root  # type: ignore[arg-type]
@@ -170,16 +170,16 @@ def first(query: Query, stretches: Stretches, interior: Holding | None, work: Wo
     return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **query.shared)
 
 
-def _windows(pair: PiecePair) -> Iterator[tuple[End, End]]:
+def _windows(pair: PiecePair) -> Iterator[tuple[TimeEnd, TimeEnd]]:
     """Closed windows of contact within the piece of motion, whose parameter may reach beyond it."""
     motion = pair.motion
     assert motion.end is not None
     for start, end in pair.times.windows():
         if motion.clock.compare(end, motion.start) >= 0 and motion.clock.compare(start, motion.end) <= 0:
-            yield End.of(motion, start), End.of(motion, end)
+            yield TimeEnd.of(motion, start), TimeEnd.of(motion, end)
 
 
-def _starts(pair: PiecePair) -> Iterator[tuple[End, bool]]:
+def _starts(pair: PiecePair) -> Iterator[tuple[TimeEnd, bool]]:
     """The first time of contact in the piece of motion, if there is one, and whether contact lasts after it."""
     motion = pair.motion
     assert motion.end is not None
@@ -190,7 +190,7 @@ def _starts(pair: PiecePair) -> Iterator[tuple[End, bool]]:
             # a cell that begins before the piece does may end before it, too
             if motion.clock.compare(wall, motion.start) < 0 and _next_wall(pair, wall) < 0:
                 continue
-            yield End.of(motion, wall), after
+            yield TimeEnd.of(motion, wall), after
             return
 
 
@@ -201,13 +201,13 @@ def _next_wall(pair: PiecePair, wall: AlgebraicRoot) -> int:
     return pair.motion.clock.compare(end, pair.motion.start)
 
 
-def _by_start(x: tuple[End, End], y: tuple[End, End]) -> int:
+def _by_start(x: tuple[TimeEnd, TimeEnd], y: tuple[TimeEnd, TimeEnd]) -> int:
     return x[0].compare(y[0])
 
 
-def _joined(windows: list[tuple[End, End]]) -> list[tuple[End, End]]:
+def _joined(windows: list[tuple[TimeEnd, TimeEnd]]) -> list[tuple[TimeEnd, TimeEnd]]:
     """The union of closed windows in one piece of motion."""
-    found: list[tuple[End, End]] = []
+    found: list[tuple[TimeEnd, TimeEnd]] = []
     for start, end in sorted(windows, key=cmp_to_key(_by_start)):
         if found and start.compare(found[-1][1]) <= 0:
             if end.compare(found[-1][1]) > 0:
@@ -218,8 +218,8 @@ def _joined(windows: list[tuple[End, End]]) -> list[tuple[End, End]]:
 
 
 def _inside(
-    interior: Holding, motion: PolynomialPiece, windows: list[tuple[End, End]]
-) -> Iterator[tuple[End, End]]:
+    interior: Holding, motion: PolynomialPiece, windows: list[tuple[TimeEnd, TimeEnd]]
+) -> Iterator[tuple[TimeEnd, TimeEnd]]:
     """The windows between those of contact of the surfaces in which the solid holds a piece."""
     assert motion.u_hi is not None and motion.end is not None
     walls = [AlgebraicRoot.of(motion.u_lo), *(end.root for w in windows for end in w), AlgebraicRoot.of(motion.u_hi)]
@@ -229,7 +229,7 @@ def _inside(
                         (at_end and windows[-1][1].time == motion.end)):  # fmt: skip
             continue
         if interior.holds(motion, _inner(motion, lo, hi)):
-            yield End.of(motion, lo), End.of(motion, hi)
+            yield TimeEnd.of(motion, lo), TimeEnd.of(motion, hi)
 
 
 def _inner(motion: PolynomialPiece, lo: AlgebraicRoot, hi: AlgebraicRoot) -> fmpq:
@@ -261,12 +261,12 @@ def _contained(query: Query, work: Work) -> FirstContact:
 
 
 def _contact(
-    start: End, pairs: list[tuple[PiecePair, bool]], query: Query, interior: Holding | None
+    start: TimeEnd, pairs: list[tuple[PiecePair, bool]], query: Query, interior: Holding | None
 ) -> FirstContact:
     """The result at the first time, the lowest (kind, index) of the pairs of elements first."""
     time, interval, known = start.value(query.exact)
     initial = start.time == query.first
-    touches: dict[tuple[tuple[int, int], ...], tuple[ElementPair, Touch]] = {}
+    touches: dict[tuple[tuple[int, int], ...], tuple[ElementPair, RuledTouch]] = {}
     for pair, lasts in pairs:
         for contact in _shared(pair, start, initial, lasts):
             found = pair.touch(contact)
@@ -296,7 +296,7 @@ def _contact(
     )  # fmt: skip
 
 
-def _shared(pair: PiecePair, start: End, initial: bool, lasts: bool) -> list[Contact]:
+def _shared(pair: PiecePair, start: TimeEnd, initial: bool, lasts: bool) -> list[FieldPoint]:
     """What the pieces share; [] where it is not told, while the time is proved."""
     at_start = initial and start.root.rational == pair.times.span[0]
     ask = pair.times.contact_at_start if at_start else lambda: pair.times.contacts_from(start.root, lasts)
@@ -304,7 +304,7 @@ def _shared(pair: PiecePair, start: End, initial: bool, lasts: bool) -> list[Con
     return [] if isinstance(found, Passed) else found
 
 
-def _overlap(start: End, interior: Holding) -> str | None:
+def _overlap(start: TimeEnd, interior: Holding) -> str | None:
     """How a surface meets a polyhedron at the start; None where that may hold inner points that were not found."""
     if start.root.rational is None:
         return None
@@ -317,7 +317,7 @@ def _contact_set(points: np.ndarray) -> ContactSet:
     return ContactSet("point" if len(points) == 1 else "segment", points)
 
 
-def _pose_of_b(start: End, b: Moving, time: float) -> np.ndarray:
+def _pose_of_b(start: TimeEnd, b: Moving, time: float) -> np.ndarray:
     frame = start.motion.frame
     if frame is None:  # bodies that turn about one line at different speeds
         return np.asarray(b.motion(time), float)

@@ -30,7 +30,7 @@ INSTANT = fmpq(1, 2**50)
 Span = tuple[fmpq, fmpq]
 
 
-class Box(NamedTuple):
+class ParameterBox(NamedTuple):
     """Ranges of the parameters, inverse ones where the chart says so, and of T."""
 
     inverse: tuple[bool, bool]
@@ -39,7 +39,7 @@ class Box(NamedTuple):
     t: Span
 
 
-def survivors(c: SignConditions, span: Span, visits: int = 600, depth: int = 45) -> list[Box]:
+def survivors(c: SignConditions, span: Span, visits: int = 600, depth: int = 45) -> list[ParameterBox]:
     """Boxes that may hold contacts, T in the span; none proves that there is none.
 
     depth: halvings at most, below 63.  visits: boxes after which no more are halved.
@@ -54,21 +54,21 @@ def survivors(c: SignConditions, span: Span, visits: int = 600, depth: int = 45)
 
 def boxes_of(
     index: np.ndarray, halved: Sequence[int], inverse: Sequence[tuple[bool, bool]], ranges: tuple[Span, Span, Span]
-) -> list[Box]:
+) -> list[ParameterBox]:
     """Those that `search` found in the ranges; inverse: by chart."""
     sides: dict[tuple[int, int], Span] = {}
-    found: list[Box] = []
+    found: list[ParameterBox] = []
     for chart, *path in index.tolist():
         for k, i in enumerate(path):
             if (k, i) not in sides:
                 lo, hi = ranges[k]
                 step = (hi - lo) / 2 ** halved[k]
                 sides[k, i] = lo + i * step, lo + (i + 1) * step
-        found.append(Box(inverse[chart], *(sides[k, i] for k, i in enumerate(path))))
+        found.append(ParameterBox(inverse[chart], *(sides[k, i] for k, i in enumerate(path))))
     return found
 
 
-def clusters(boxes: Sequence[Box]) -> list[tuple[Span, Span]]:
+def clusters(boxes: Sequence[ParameterBox]) -> list[tuple[Span, Span]]:
     """Hulls of boxes that touch each other."""
     groups: list[tuple[Span, Span]] = []
     for box in boxes:

@@ -27,7 +27,7 @@ P = TypeVar("P", fmpz_poly, fmpz_mpoly)
 
 
 @dataclass(frozen=True)
-class Piece:
+class RulingPiece:
     """The part of a ruled surface with u in the closed interval (None: the projective line) and 0 <= s <= 1.
 
     rulings    directrices at s = 0 and s = 1, their weights positive on the piece where it is bounded
@@ -45,7 +45,7 @@ class Piece:
     shift: int | None = None
 
     @classmethod
-    def of(cls, surface: RuledSurface) -> Piece:
+    def of(cls, surface: RuledSurface) -> RulingPiece:
         """That of a RuledSurface at rest."""
         first, second = (side.components for side in surface.sides)
         s = (fmpq(0), fmpq(1)) if surface.s is None else _ends(surface.s)
@@ -53,7 +53,7 @@ class Piece:
         u = range_of(surface.u)
         return cls(Rulings.of(first, second), u, surface.s is not None, s, trim)
 
-    def away_from_infinity(self, shift: int) -> Piece:
+    def away_from_infinity(self, shift: int) -> RulingPiece:
         """The same with the parameter 1 / (u - shift): the ruling at infinity becomes that at 0."""
         r = self.rulings
         first, second, line = (_moved(x, shift) for x in (r.first, r.second, r.line))

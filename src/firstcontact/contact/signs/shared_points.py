@@ -14,7 +14,7 @@ from flint import arb, fmpq, fmpz_mpoly
 
 from firstcontact.contact.signs.closer import closer
 from firstcontact.contact.signs.conditions import Range, SignConditions
-from firstcontact.contact.signs.exclusion import Box, Span, clusters
+from firstcontact.contact.signs.exclusion import ParameterBox, Span, clusters
 from firstcontact.contact.signs.sheets import Sheet, sheets
 from firstcontact.exact.fields.common_field import Polynomial, adjoined, gcd, refined, squarefree
 from firstcontact.exact.fields.field_towers import trimmed
@@ -29,7 +29,7 @@ BITS = 192
 
 
 @dataclass(frozen=True)
-class Contact:
+class FieldPoint:
     """A shared point: the parameters in one field, in a chart of the pieces.
 
     conditions   of the chart; u and v are its parameters, inverse ones where `inverse` says so
@@ -48,28 +48,28 @@ class Contact:
 
 
 @dataclass(frozen=True)
-class NearContact(Contact):
+class NearContact(FieldPoint):
     """A place in contact shortly after the instant in question; what is SMALL there vanishes then."""
 
 
 SMALL = 1e-7
 
 
-def vanishes(contact: Contact, x: FieldElement, size: int = 1) -> bool:
+def vanishes(contact: FieldPoint, x: FieldElement, size: int = 1) -> bool:
     """Whether a number of the contact is zero; size: of its terms."""
     if is_zero(x):
         return True
     return isinstance(contact, NearContact) and bool(abs(x.ball(BITS).mid()) <= arb(SMALL) * size)
 
 
-def shared_points(c: SignConditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> Iterator[Contact]:
+def shared_points(c: SignConditions, t: AlgebraicRoot, boxes: Iterable[ParameterBox]) -> Iterator[FieldPoint]:
     """Contacts at the instant t near the boxes; none proves that there is none near them.
 
     c holds the conditions of the motion, or of the instant alone where t is rational.  UnsupportedPair beyond the
     degrees that elimination masters.
     """
     field = NumberField(t)
-    by_chart: dict[tuple[bool, bool], list[Box]] = {}
+    by_chart: dict[tuple[bool, bool], list[ParameterBox]] = {}
     for box in closer(c, t, list(boxes)):
         by_chart.setdefault(box.inverse, []).append(box)
     for inverse, group in by_chart.items():
@@ -78,7 +78,7 @@ def shared_points(c: SignConditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> 
         for u, v in clusters(group):
             for sheet in own:
                 for point in _on_sheet(chart, sheet, field, u, v, inverse):
-                    yield Contact(chart, inverse, (c.u, c.v), *point)
+                    yield FieldPoint(chart, inverse, (c.u, c.v), *point)
 
 
 Point = tuple[FieldElement, FieldElement, FieldElement]

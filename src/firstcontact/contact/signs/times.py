@@ -14,8 +14,8 @@ from functools import cached_property, cmp_to_key
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
 from firstcontact.contact.signs.conditions import Range, SignConditions
-from firstcontact.contact.signs.exclusion import Box, Span, clusters, survivors
-from firstcontact.contact.signs.shared_points import WIDE, Contact, NearContact, shared_points
+from firstcontact.contact.signs.exclusion import ParameterBox, Span, clusters, survivors
+from firstcontact.contact.signs.shared_points import WIDE, FieldPoint, NearContact, shared_points
 from firstcontact.contact.signs.sheets import (
     FARTHEST,
     Reach,
@@ -57,7 +57,7 @@ class Times:
         self._maybe = _joined([box.t for box in boxes])
         """Outside these times there is no contact."""
         self._near: dict[int, fmpq] = {}
-        self._boxes: tuple[AlgebraicRoot, list[Box]] | None = None
+        self._boxes: tuple[AlgebraicRoot, list[ParameterBox]] | None = None
 
     @cached_property
     def steps(self) -> int:
@@ -93,7 +93,7 @@ class Times:
         """Whether there is a contact at the instant."""
         return bool(self.contacts(t, 1))
 
-    def contacts(self, t: AlgebraicRoot, most: int = 8) -> list[Contact]:
+    def contacts(self, t: AlgebraicRoot, most: int = 8) -> list[FieldPoint]:
         """Some shared points at the instant, none where there is none."""
         if not self._may_hold(t, t):
             return []
@@ -106,14 +106,14 @@ class Times:
                 f"all rulings meet all others at an irrational time near {float(t)!r}, which exact arithmetic does not "
                 "decide"
             )
-        found: list[Contact] = []
+        found: list[FieldPoint] = []
         for contact in shared_points(c, t, self._near_instant(t)):
             found.append(contact)
             if len(found) >= most:
                 break
         return found
 
-    def contacts_from(self, t: AlgebraicRoot, lasts: bool) -> list[Contact]:
+    def contacts_from(self, t: AlgebraicRoot, lasts: bool) -> list[FieldPoint]:
         """Some shared points at the instant, from which on there is contact if it `lasts`.
 
         Fields of high degree take long: there they are places in contact within 2^-AFTER after it, where there are.
@@ -125,10 +125,10 @@ class Times:
                 return found
         return self.contacts(t)
 
-    def _open_contacts(self, t: fmpq) -> list[Contact]:
+    def _open_contacts(self, t: fmpq) -> list[FieldPoint]:
         """One on every fibre between borders at the rational time, rounded to 2^-AFTER and less."""
         c, field = self.conditions, NumberField(AlgebraicRoot.of(t))
-        found: list[Contact] = []
+        found: list[FieldPoint] = []
         now = c.at(t)
         for sheet in self.sheets:
             for x in between_borders(sheet, t):
@@ -145,13 +145,13 @@ class Times:
         ranges = [r for pair in clusters(self._near_instant(t)) for r in pair]
         return all(hi - lo <= WIDE for lo, hi in ranges)
 
-    def _near_instant(self, t: AlgebraicRoot) -> list[Box]:
+    def _near_instant(self, t: AlgebraicRoot) -> list[ParameterBox]:
         """Where contacts may be at the instant; those of the one asked for last are kept."""
         if self._boxes is None or self._boxes[0] is not t:
             self._boxes = t, survivors(self.conditions, enclosed(t))
         return self._boxes[1]
 
-    def contact_at_start(self) -> list[Contact]:
+    def contact_at_start(self) -> list[FieldPoint]:
         """One shared point at a rational start: any on a fibre between the borders, for that is cheapest."""
         t = self.span[0]
         now = self.conditions.at(t)
@@ -162,7 +162,7 @@ class Times:
                     field = NumberField(y)
                     first, second, time = field(x), field.generator(), field(t)
                     u, v = (second, first) if sheet.exchanged else (first, second)
-                    return [Contact(now, (False, False), (now.u, now.v), u, v, time)]
+                    return [FieldPoint(now, (False, False), (now.u, now.v), u, v, time)]
         return self.contacts(AlgebraicRoot.of(t))
 
     def _may_hold(self, x: AlgebraicRoot, y: AlgebraicRoot) -> bool:
@@ -203,7 +203,7 @@ def decide(c: SignConditions, own: Sequence[Sheet], t: fmpq, near: dict[int, fmp
     return any(True for _ in shared_points(c.at(t), AlgebraicRoot.of(t), boxes))
 
 
-def _holds(box: Box, sheet: Sheet, x: fmpq) -> bool:
+def _holds(box: ParameterBox, sheet: Sheet, x: fmpq) -> bool:
     """Whether the first parameter of a sheet is in the range of the box."""
     index = 1 if sheet.exchanged else 0
     lo, hi = box.v if sheet.exchanged else box.u

@@ -11,7 +11,7 @@ from flint import arb, fmpz
 
 from firstcontact.body.ruled.rational_curve import RationalCurve, lifted, terms
 from firstcontact.contact.signs.conditions import Conditions, Trims
-from firstcontact.contact.signs.shared_points import Contact, vanishes
+from firstcontact.contact.signs.shared_points import FieldPoint, vanishes
 from firstcontact.exact.fields.number_field import FieldElement, is_zero, sign
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomials.trivariate import RING
@@ -23,7 +23,7 @@ Side = int | None
 
 
 @dataclass(frozen=True)
-class Touch:
+class RuledTouch:
     """A shared point.
 
     point       (3,) in the frame of q
@@ -48,7 +48,9 @@ class Ruling:
     first: Vector
     second: Vector
 
-    def __init__(self, curves: tuple[RationalCurve, RationalCurve], name: str, contact: Contact, bounded: bool) -> None:
+    def __init__(
+        self, curves: tuple[RationalCurve, RationalCurve], name: str, contact: FieldPoint, bounded: bool
+    ) -> None:
         ends = [[contact.value(x) for x in lifted(c.components, RING, name)] for c in curves]
         self.bounded = bounded
         finite = [not is_zero(x[3]) for x in ends]
@@ -74,7 +76,7 @@ class Ruling:
         return place
 
 
-def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> Touch:
+def touch(contact: FieldPoint, joined: tuple[frozenset[str], frozenset[str]]) -> RuledTouch:
     """joined: borders of either piece that are none of the body."""
     c = contact.conditions
     assert isinstance(c, Conditions)
@@ -100,14 +102,14 @@ def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> To
     u, v = (shown_parameter(x, i) for x, i in zip((contact.u, contact.v), contact.inverse, strict=True))
     r_d, w_d = (None if x is None else in_double(x) for x in places)
     kinds = elements[0], elements[1]
-    return Touch(shown[0], kinds, (u, r_d, v, w_d), _normal(contact, kinds, (p, q), places, cuts), shown)
+    return RuledTouch(shown[0], kinds, (u, r_d, v, w_d), _normal(contact, kinds, (p, q), places, cuts), shown)
 
 
 Cut = tuple[int, tuple[float, float]]
 """A trimming inequality that is just met, and the derivatives of its polynomial by u and by the place on the ruling."""
 
 
-def _cut(contact: Contact, trims: Trims, x: FieldElement, place: FieldElement | None) -> Cut | None:
+def _cut(contact: FieldPoint, trims: Trims, x: FieldElement, place: FieldElement | None) -> Cut | None:
     """The first one."""
     for k, g in enumerate(trims):
         if place is None and any(j for _, j in g):
@@ -150,7 +152,7 @@ def _common_points(p: Ruling, q: Ruling) -> list[Vector]:
 
 
 def end_met(
-    contact: Contact, distances: Sequence[FieldElement], names: Sequence[str], joined: frozenset[str]
+    contact: FieldPoint, distances: Sequence[FieldElement], names: Sequence[str], joined: frozenset[str]
 ) -> Side:
     for k, distance in enumerate(distances):
         if names[k] not in joined and vanishes(contact, distance):
@@ -165,7 +167,7 @@ def element_kind(across: Side, along: Side) -> tuple[str, int]:
 
 
 def _normal(
-    contact: Contact,
+    contact: FieldPoint,
     kinds: tuple[tuple[str, int], tuple[str, int]],
     rulings: tuple[Ruling, Ruling],
     places: Sequence[FieldElement | None],

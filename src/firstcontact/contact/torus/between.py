@@ -16,7 +16,7 @@ from firstcontact.kernels.workspace import HERE_A, MIDDLE, RADIUS, SPEED, SPREAD
 U = 2.0**-53
 
 
-class Body(NamedTuple):
+class PosedBody(NamedTuple):
     """table: its motion, see `kernels.poses`; pose: (4, 4), what stands before it; off: error of its points."""
 
     table: np.ndarray
@@ -62,7 +62,7 @@ class Places(NamedTuple):
 
 
 class Between:
-    def __init__(self, own: Body, other: Body) -> None:
+    def __init__(self, own: PosedBody, other: PosedBody) -> None:
         self.own, self.other = own, other
         self.scratch = workspace()[0]
 
@@ -94,7 +94,7 @@ class Between:
         bend = bend + 2.0 * b.first.linear * speed + b.second.linear * (here + half * speed)
         return Places(y, v, half, off, stretch * bend / share * (1 + 1e-9))
 
-    def _here(self, body: Body, lo: float, hi: float, middle: float) -> Here:
+    def _here(self, body: PosedBody, lo: float, hi: float, middle: float) -> Here:
         w, pose = self.scratch, body.pose
         pose_at(body.table, middle, w, HERE_A)
         here = w[HERE_A].copy()

@@ -22,8 +22,8 @@ from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.timeline.answers import likely_time, proved_intervals
-from firstcontact.timeline.lasting import Lasting, LastingOfModels, Solid
-from firstcontact.timeline.sweep import Sweep
+from firstcontact.timeline.lasting import Lasting, LastingOfModels, LastingSolid
+from firstcontact.timeline.sweep import TimeSweep
 from firstcontact.work import Query, Spent, Work
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class _TorusSearch:
         width = query.tolerance * (self.windows[-1].last - self.windows[0].first)
         self.lasting = _lasting(query.bodies, self.windows)
         self.free = TorusFree(query.bodies, width, work, (query.first, query.end))
-        self.sweep = Sweep(self.free, self.lasting, self.windows, width, work, self._touched)
+        self.sweep = TimeSweep(self.free, self.lasting, self.windows, width, work, self._touched)
 
     def _touched(self) -> np.ndarray | None:
         found = self.free.touched_at_start(self.windows[0])
@@ -150,5 +150,5 @@ def _lasting(bodies: tuple[Body, Body], parts: list[Window]) -> Lasting[Any]:
             return LastingOfMesh(shape, SolidTorus(shapes[1 - k]), k == 0)
         if shape.kind == RULED:
             return RuledLasting(sheets_at_rest(shape), SolidTorus(shapes[1 - k]), k, parts)
-    first, second = (SolidTorus(shape) if isinstance(shape, Torus) else Solid(shape) for shape in shapes)
+    first, second = (SolidTorus(shape) if isinstance(shape, Torus) else LastingSolid(shape) for shape in shapes)
     return LastingOfModels(first, second)

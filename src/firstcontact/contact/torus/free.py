@@ -11,9 +11,9 @@ from flint import fmpq
 from firstcontact.body.torus.torus import Torus
 from firstcontact.contact.models.idle_turns import keeps_along
 from firstcontact.contact.torus.apart import MOST_CELLS, kept, lower
-from firstcontact.contact.torus.between import Between, Body, pose_of
+from firstcontact.contact.torus.between import Between, PosedBody, pose_of
 from firstcontact.contact.torus.cells import Cells, Triangles, Wedges
-from firstcontact.contact.torus.heights import Forms, Heights, Outside, Ring
+from firstcontact.contact.torus.heights import FormHeights, Heights, Outside, Ring
 from firstcontact.contact.torus.nets import Nets
 from firstcontact.contact.torus.passages import Passages
 from firstcontact.contact.torus.touching import contact_near
@@ -65,7 +65,7 @@ def roles_of(bodies: tuple[kinds.Body, kinds.Body]) -> Roles:
     side = next(k for k, shape in enumerate(shapes) if shape.kind == "Torus")
     torus, other = shapes[side], shapes[1 - side]
     half = is_round_pair(bodies, torus)
-    heights = Forms(other) if other.kind == MODEL else Ring(other)
+    heights = FormHeights(other) if other.kind == MODEL else Ring(other)
     return Roles(side, Wedges(torus, 1.0, half), Wedges(torus, 0.0, half), heights)
 
 
@@ -154,7 +154,7 @@ class TorusFree:
 
     def _between(self, window: Window, off: float) -> Between:
         own, other = self.tables(window)
-        return Between(Body(own, self.roles.surface.pose, off), Body(other, self.roles.heights.pose, 0.0))
+        return Between(PosedBody(own, self.roles.surface.pose, off), PosedBody(other, self.roles.heights.pose, 0.0))
 
     def _places(self, window: Window, t: float, rows: np.ndarray) -> list[np.ndarray]:
         """Points as contact is followed at them: where some of the cells come nearest, if that is known; in them."""

@@ -87,7 +87,7 @@ class Ring(Heights):
         return support(self.major, self.minor, normals) * (1 + 1e-14)
 
 
-class Forms(Heights):
+class FormHeights(Heights):
     """Those of the surfaces of a model; negative where its tree takes a surface for passed."""
 
     def __init__(self, model: CompositeQuadric) -> None:

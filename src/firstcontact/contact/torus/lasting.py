@@ -1,4 +1,4 @@
-"""A torus as it is followed in contact: see `timeline.lasting.Solid`."""
+"""A torus as it is followed in contact: see `timeline.lasting.LastingSolid`."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from firstcontact.body.torus.torus import Torus
 from firstcontact.contact.torus.cells import square
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.rigid import apply
-from firstcontact.timeline.lasting import BITS, Solid
+from firstcontact.timeline.lasting import BITS, LastingSolid
 
 SAMPLES = 12
 """Points along either circle at which its tube is looked at."""
 
 
-class SolidTorus(Solid):
+class SolidTorus(LastingSolid):
     def __init__(self, torus: Torus) -> None:
         self.torus, self.tips = torus, []
         with precision(BITS):

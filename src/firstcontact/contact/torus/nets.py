@@ -14,7 +14,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.polynomials.bernstein import coefficients
 from firstcontact.search.events.charts import NotCharted
-from firstcontact.search.events.ruled_charts import Sheet, sheets_of
+from firstcontact.search.events.ruled_charts import ChartSheet, sheets_of
 
 if TYPE_CHECKING:
     from firstcontact.body.ruled.surface import RuledSurface
@@ -23,7 +23,7 @@ MOST_HALVINGS = 12
 """Of parts whose weights are not all positive."""
 
 
-def sheets_at_rest(ruled: RuledSurface) -> list[Sheet]:
+def sheets_at_rest(ruled: RuledSurface) -> list[ChartSheet]:
     """The sheets of a ruled surface.  Raises UnsupportedPair for what is no net of points."""
     who = ruled.name or "the ruled surface"
     if ruled.deforming:
@@ -92,7 +92,7 @@ class Nets(Cells):
         """(number of the sheet, x, s) of their middles."""
         return list(np.column_stack([cells[:, 0], 0.5 * (cells[:, 1:4:2] + cells[:, 2:5:2])]))
 
-    def _row(self, number: int, sheet: Sheet) -> list[float]:
+    def _row(self, number: int, sheet: ChartSheet) -> list[float]:
         sides = sheet.first, sheet.second
         largest = max(int(abs(c)) for side in sides for p in side for c in p.coeffs())
         return [float(number), -1.0, 1.0, 0.0, 1.0, *(c for side in sides for c in self._net(side, largest))]

@@ -10,10 +10,10 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.torus.between import Between, Body, pose_of
+from firstcontact.contact.torus.between import Between, PosedBody, pose_of
 from firstcontact.contact.torus.cells import square
-from firstcontact.contact.torus.heights import Beyond, Forms, Ring
-from firstcontact.contact.torus.points import Course, Event, Point, points_of, reach_of, vertex_of
+from firstcontact.contact.torus.heights import Beyond, FormHeights, Ring
+from firstcontact.contact.torus.points import Event, PointCourse, TrackedPoint, points_of, reach_of, vertex_of
 from firstcontact.exact.numbers import above, below, exact_value
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Window
@@ -41,10 +41,10 @@ class Passages:
         self.bodies = bodies[side], bodies[1 - side]
         self.torus: Any = shape_of(bodies[1 - side])
         self.shape: Any = shape_of(bodies[side])
-        self.courses: dict[tuple[int, float], Course | None] = {}
+        self.courses: dict[tuple[int, float], PointCourse | None] = {}
 
     @cached_property
-    def points(self) -> list[Point]:
+    def points(self) -> list[TrackedPoint]:
         """Of a model; those of a polyhedron are made when they are asked for."""
         return points_of(self.shape)
 
@@ -88,13 +88,13 @@ class Passages:
         assert course is not None
         return self._place(window, course.point, t)
 
-    def _place(self, window: Window, point: Point, t: float) -> np.ndarray:
+    def _place(self, window: Window, point: TrackedPoint, t: float) -> np.ndarray:
         """In the world."""
         pose = pose_of(self._tables(window)[0], t)
         place: np.ndarray = pose[:3, :3] @ point.in_doubles + pose[:3, 3]
         return place
 
-    def _course(self, window: Window, t: float) -> Course | None:
+    def _course(self, window: Window, t: float) -> PointCourse | None:
         """Of the point that is nearest to the torus' surface, inside the window, within which poses do not jump."""
         k = self._nearest(window, t)
         if k is None:
@@ -107,11 +107,11 @@ class Passages:
             point = self.points[k] if self.corners is None else vertex_of(self.shape, self.corners, k)
             self.courses[known] = None
             if point is not None and first <= last:
-                self.courses[known] = Course(point, self.bodies, self.torus, (first, last))
+                self.courses[known] = PointCourse(point, self.bodies, self.torus, (first, last))
         return self.courses[known]
 
     def _stretches(
-        self, course: Course, later: list[Event], start: fmpq
+        self, course: PointCourse, later: list[Event], start: fmpq
     ) -> tuple[list[Stretch], tuple[fmpq, fmpq] | None, fmpq | None]:
         """Until the next event and beyond, with the time of a graze; none where nothing is known."""
         span, width, limit = self.span[1] - self.span[0], exact_value(self.free.width), course.span[1]
@@ -136,7 +136,7 @@ class Passages:
         instant = (event.lo + event.hi) / 2 if is_graze else None
         return [before, after], (event.lo, event.hi) if is_graze else None, instant
 
-    def _is_proved(self, window: Window, point: Point, stretches: list[Stretch]) -> bool:
+    def _is_proved(self, window: Window, point: TrackedPoint, stretches: list[Stretch]) -> bool:
         """Whether the rest of the body is out of the torus all the time, where the point is not in it all the time."""
         if all(x.contact for x in stretches):
             return True
@@ -144,13 +144,13 @@ class Passages:
         own, other = self._tables(window)
         frame = point.in_doubles + np.vstack([np.zeros(3), np.eye(3)])
         off = 2.0**-52 * float(np.abs(frame).max())
-        between = Between(Body(own, np.eye(4), off), Body(other, square(self.torus.pose), 0.0))
+        between = Between(PosedBody(own, np.eye(4), off), PosedBody(other, square(self.torus.pose), 0.0))
         places = between.places(lo, hi, frame[None])
         reach = reach_of(point, places, self.torus)
         if reach is None:
             return False
         heights = self.free.roles.heights
-        if isinstance(heights, Forms):
+        if isinstance(heights, FormHeights):
             beyond = Beyond(heights, point.in_doubles - heights.pose[:3, 3], reach[0] - 4.0 * off)
         else:
             assert isinstance(heights, Ring)

@@ -40,7 +40,7 @@ HALVINGS = 24
 """Of distances and slopes that are tried."""
 
 
-class Point(NamedTuple):
+class TrackedPoint(NamedTuple):
     """place: in its body's frame, exact; K is the cone of the tip, else spanned by the ways."""
 
     place: Vector
@@ -78,7 +78,7 @@ class Event(NamedTuple):
     after: bool | None
 
 
-def points_of(model: CompositeQuadric) -> list[Point]:
+def points_of(model: CompositeQuadric) -> list[TrackedPoint]:
     """Tips of a convex model, and corners of its planes."""
     try:
         solids = convex_pieces(model).solids
@@ -86,13 +86,13 @@ def points_of(model: CompositeQuadric) -> list[Point]:
         return []
     if len(solids) != 1:
         return []
-    tips = [Point(_vector(tip.point), tip, []) for tip in tips_of(solids[0])]
+    tips = [TrackedPoint(_vector(tip.point), tip, []) for tip in tips_of(solids[0])]
     places = (x.carrier for x in model.vertices if not x.is_apex)
     corners = (_corner(solids[0][0], [row[0] for row in x.basis]) for x in places if isinstance(x, carriers.Point))
     return [*tips, *(x for x in corners if x is not None)]
 
 
-def vertex_of(mesh: Polyhedron, corners: np.ndarray, k: int) -> Point | None:
+def vertex_of(mesh: Polyhedron, corners: np.ndarray, k: int) -> TrackedPoint | None:
     """Vertex k of a polyhedron, K what its triangles span there: where a polygon is reflex, edges do not.
 
     corners: (n, 3) of triangles, bare edges and points.  None in an irrational pose.
@@ -101,10 +101,10 @@ def vertex_of(mesh: Polyhedron, corners: np.ndarray, k: int) -> Point | None:
     place, *others = (mesh.exact_vertex(i) for i in (k, *sorted(near)))
     if not all(isinstance(x, fmpq) for x in place):
         return None
-    return Point(place, None, [way for x in others if any(way := sub(x, place))])
+    return TrackedPoint(place, None, [way for x in others if any(way := sub(x, place))])
 
 
-def _corner(forms: Sequence[Surface], x: Sequence[fmpq]) -> Point | None:
+def _corner(forms: Sequence[Surface], x: Sequence[fmpq]) -> TrackedPoint | None:
     """Of half-spaces, at the homogeneous point x in them all: ways are where two planes meet; None beside a quadric."""
     on = [form for form in forms if form.value(x) == 0]
     if not all(isinstance(form, Plane) for form in on):
@@ -112,7 +112,8 @@ def _corner(forms: Sequence[Surface], x: Sequence[fmpq]) -> Point | None:
     normals = [_vector(form.gradient(x)) for form in on]
     lines = (cross(p, q) for p, q in combinations(normals, 2))
     ways = [way for line in lines for way in (line, scaled(fmpq(-1), line)) if any(way)]
-    return Point(_vector([c / x[3] for c in x[:3]]), None, [d for d in ways if all(dot(n, d) <= 0 for n in normals)])
+    within = [d for d in ways if all(dot(n, d) <= 0 for n in normals)]
+    return TrackedPoint(_vector([c / x[3] for c in x[:3]]), None, within)
 
 
 def _vector(x: Sequence[fmpq]) -> Vector:
@@ -120,11 +121,11 @@ def _vector(x: Sequence[fmpq]) -> Vector:
     return p, q, r
 
 
-class Course:
+class PointCourse:
     """A point's way through a torus: `bodies`, its own first, over `span`."""
 
     def __init__(
-        self, point: Point, bodies: tuple[kinds.Body, kinds.Body], torus: Torus, span: tuple[fmpq, fmpq]
+        self, point: TrackedPoint, bodies: tuple[kinds.Body, kinds.Body], torus: Torus, span: tuple[fmpq, fmpq]
     ) -> None:
         self.point, self.torus, self.span = point, torus, span
         self.events: list[Event] = []
@@ -186,7 +187,7 @@ def _middle(root: AlgebraicRoot) -> fmpq:
     return dyadic(root.enclosure(BITS).mid()) if value is None else value
 
 
-def reach_of(point: Point, places: Places, torus: Torus) -> tuple[float, float] | None:
+def reach_of(point: TrackedPoint, places: Places, torus: Torus) -> tuple[float, float] | None:
     """Up to which distance from the point, in its body's frame and in that of the torus, the body is in the torus only
     where the point is, over a time; None where none is proved.
 

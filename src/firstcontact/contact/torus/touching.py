@@ -16,7 +16,7 @@ from firstcontact.contact.named import element as element_of_ruled
 from firstcontact.contact.ruled_solid.solid_touches import feature_at
 from firstcontact.contact.torus.cells import square
 from firstcontact.result import Element
-from firstcontact.search.events.ruled_charts import Sheet
+from firstcontact.search.events.ruled_charts import ChartSheet
 from firstcontact.search.trees.frame import tree_of
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class Surface(NamedTuple):
     jet: Callable[[np.ndarray], Jet]
 
 
-class Contact(NamedTuple):
+class TorusContact(NamedTuple):
     """A common point, in the world; normal: unit, from b towards a; the elements of a and b."""
 
     point: np.ndarray
@@ -55,7 +55,7 @@ class Touching(NamedTuple):
 
 def contact_near(
     shapes: Sequence[Any], poses: Sequence[np.ndarray], place: np.ndarray, theirs: Touching | None = None
-) -> Contact:
+) -> TorusContact:
     """The contact of a torus and another body in these poses, near a place in the world; theirs: what is known."""
     k = next(i for i, shape in enumerate(shapes) if isinstance(shape, Torus))
     near = np.linalg.solve(poses[1 - k], [*place, 1.0])[:3]
@@ -67,7 +67,7 @@ def contact_near(
     normal = ring.jet(x)[1] @ np.linalg.inv(poses[1 - k][:3, :3])
     normal = (1.0 if k else -1.0) * normal / np.linalg.norm(normal)  # from the torus outwards
     elements = (theirs.element, own.element) if k else (own.element, theirs.element)
-    return Contact(poses[1 - k][:3, :3] @ x + poses[1 - k][:3, 3], normal, elements)
+    return TorusContact(poses[1 - k][:3, :3] @ x + poses[1 - k][:3, 3], normal, elements)
 
 
 def _near(shape: Torus | Polyhedron | CompositeQuadric, x: np.ndarray, size: float, which: str) -> Touching:
@@ -150,7 +150,7 @@ def _is_at(mesh: Polyhedron, vertex: int, x: np.ndarray) -> bool:
     return bool(np.abs(mesh.vertices[vertex] - x).max() <= NEAR * np.ptp(mesh.vertices, axis=0).max())
 
 
-def of_ruled(ruled: RuledSurface, sheets: list[Sheet], place: np.ndarray, which: str) -> Touching:
+def of_ruled(ruled: RuledSurface, sheets: list[ChartSheet], place: np.ndarray, which: str) -> Touching:
     """place: number of the sheet, x, s."""
     sheet, x, s = sheets[int(place[0])], float(place[1]), float(place[2])
     low, high = (end and abs(x - at) < NEAR for end, at in zip(sheet.part.ends, (-1.0, 1.0), strict=True))

@@ -28,7 +28,7 @@ ROOM, POINTS, FIRST_POINTS = 64, 2**11, 2**19
 HIGHEST_DEGREE = (cells.LAYER_ROWS - 2) // 2
 
 
-class Searched(NamedTuple):
+class SearchedChains(NamedTuple):
     """What the kernels found of two chains, but for points between places.
 
     forms           as `curve_points.evaluate` takes them, coordinates about the centre
@@ -60,7 +60,7 @@ class Solved(NamedTuple):
     q: Chain
     places: np.ndarray
     arcs: np.ndarray
-    lines: list[Line]
+    lines: list[ArcLine]
     points: np.ndarray
     parameters: np.ndarray
     rows: np.ndarray
@@ -68,7 +68,7 @@ class Solved(NamedTuple):
     opened: np.ndarray
 
 
-def searched(p: Chain, q: Chain, settled: Settled, budget: int = BUDGET) -> Searched | None:
+def searched(p: Chain, q: Chain, settled: Settled, budget: int = BUDGET) -> SearchedChains | None:
     """But for pairs of pieces decided exactly; None where the boxes of the chains share no point."""
     (low_p, high_p), (low_q, high_q) = p.box, q.box
     low, high = np.maximum(low_p, low_q), np.minimum(high_p, high_q)
@@ -101,10 +101,10 @@ def searched(p: Chain, q: Chain, settled: Settled, budget: int = BUDGET) -> Sear
     arcs, places, opened = arcs[:count], places[:used], opened[: counts[cells.OPENED]]
     apex_rulings = ApexRulings(p, q)
     arcs[apex_rulings.along(arcs, places), columns.START] = -1
-    return Searched(p, q, (form_p, form_q), centre, places, arcs, opened, apex_rulings, int(counts[cells.SEEN]))
+    return SearchedChains(p, q, (form_p, form_q), centre, places, arcs, opened, apex_rulings, int(counts[cells.SEEN]))
 
 
-def traced(found: Searched, tolerance: float) -> Solved:
+def traced(found: SearchedChains, tolerance: float) -> Solved:
     """Polylines of the arcs."""
     p, q, forms, arcs, places = found.p, found.q, found.forms, found.arcs, found.places
     lines = lines_of(arcs, places[:, columns.KIND].astype(int))
@@ -144,7 +144,7 @@ def begun(chain: Chain, centre: np.ndarray, room: int) -> tuple[np.ndarray, np.n
     return side, forms
 
 
-class Line(NamedTuple):
+class ArcLine(NamedTuple):
     """Arcs one after another, each with whether it is passed from its end to its start, and the places between."""
 
     arcs: list[tuple[int, bool]]
@@ -156,7 +156,7 @@ class Line(NamedTuple):
         return self.places[0], self.places[-1]
 
 
-def lines_of(arcs: np.ndarray, kinds: np.ndarray) -> list[Line]:
+def lines_of(arcs: np.ndarray, kinds: np.ndarray) -> list[ArcLine]:
     """All arcs, joined where two of them meet; not at weak places."""
     pairs = {k: (a, b) for k, (a, b) in enumerate(arcs[:, [columns.START, columns.END]].astype(int).tolist()) if a >= 0}
     at: dict[int, list[int]] = {}
@@ -182,5 +182,5 @@ def lines_of(arcs: np.ndarray, kinds: np.ndarray) -> list[Line]:
                     if not further:
                         break
                     k = further[0]
-                found.append(Line(line, places, here == start and start in through))
+                found.append(ArcLine(line, places, here == start and start in through))
     return found

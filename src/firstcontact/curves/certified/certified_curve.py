@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firstcontact.contact.signs.pieces import Piece
-from firstcontact.curves.certified.arcs import BUDGET, HIGHEST_DEGREE, SMALL_BUDGET, Line, Solved, searched, traced
+from firstcontact.contact.signs.pieces import RulingPiece
+from firstcontact.curves.certified.arcs import BUDGET, HIGHEST_DEGREE, SMALL_BUDGET, ArcLine, Solved, searched, traced
 from firstcontact.curves.certified.chains import Chain, chains
 from firstcontact.curves.certified.cut_out import cut_about
 from firstcontact.curves.certified.edge_cusps import passed, with_edges
-from firstcontact.curves.certified.joined import Found, Stop, Strand, knot
+from firstcontact.curves.certified.joined import FoundChains, JoinedStrand, Stop, knot
 from firstcontact.curves.certified.open_places import (
     SAME_PLACE,
     SAME_POINT,
@@ -82,14 +82,15 @@ def certified_curve(p: Ruled, q: Ruled, tolerance: float, settles: bool) -> Curv
 
 
 def _found(
-    near: Reached, p: Ruled, q: Ruled, tolerance: float, settles: bool, before: Found | None = None, traces: bool = True
-) -> Found:
+    near: Reached, p: Ruled, q: Ruled, tolerance: float, settles: bool,
+    before: FoundChains | None = None, traces: bool = True,
+) -> FoundChains:  # fmt: skip
     """What two surfaces with bounded rulings share: those of `near`, or pieces of them.
 
     before: what was found of them as single pieces: pairs of pieces that hold its open places are decided exactly.
     traces: False: where cells are left open, these places are told and nothing is traced.
     """
-    found = Found()
+    found = FoundChains()
     if before is not None:
         found.seen, found.apexes = before.seen, before.apexes
     exact = []
@@ -120,8 +121,8 @@ def _found(
             exact += own
 
     @cache
-    def pieces() -> tuple[list[Piece], list[Piece]]:
-        own, other = ([Piece.of(x) for x in surface.pieces] for surface in (near.p, near.q))
+    def pieces() -> tuple[list[RulingPiece], list[RulingPiece]]:
+        own, other = ([RulingPiece.of(x) for x in surface.pieces] for surface in (near.p, near.q))
         return own, other
 
     def is_on_more(point: np.ndarray) -> bool:
@@ -137,7 +138,7 @@ def _found(
 # -- branches -----------------------------------------------------------------------------------------------
 
 
-def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Strand], list[OpenPlace]]:
+def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[JoinedStrand], list[OpenPlace]]:
     """Polylines of the pairs of pieces that are not decided exactly in the end, and the places left open there."""
     while True:
         kinds = solved.places[:, columns.KIND].astype(int)
@@ -161,7 +162,7 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
     strands = []
     for line, (points, parameters) in zip(lines, polylines, strict=True):
         if line.closed:
-            strands.append(Strand(points, parameters, ()))
+            strands.append(JoinedStrand(points, parameters, ()))
             continue
         kinds_of = [ends[k] for k in line.ends]
         if "undecided" in kinds_of and any(_within(parameters, place) for place in places):
@@ -173,13 +174,13 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
             else:
                 on = (_bound(solved, kinds[k]),) if kinds[k] > 0 else ()
                 stops.append(Stop(BranchEnd(kind, on, points[at], parameters[at])))
-        strands.append(Strand(points, parameters, tuple(stops)))
+        strands.append(JoinedStrand(points, parameters, tuple(stops)))
     return strands, places
 
 
 def _with_cusps(
-    p: Chain, q: Chain, strands: list[Strand], tolerance: float
-) -> tuple[list[Strand], list[np.ndarray]]:
+    p: Chain, q: Chain, strands: list[JoinedStrand], tolerance: float
+) -> tuple[list[JoinedStrand], list[np.ndarray]]:
     """The strands with rows at their cusps, and these points; exact strands know theirs."""
     cusps: list[np.ndarray] = []
     for own, other, order in ((p, q, [0, 1, 2, 3]), (q, p, [1, 0, 3, 2])):
@@ -219,7 +220,7 @@ def _end(solved: Solved, kind: int, k: int, settled: Settled) -> str:
     return "knot" if touched(solved, *at) & settled.known.keys() else "undecided"
 
 
-def _polyline(solved: Solved, line: Line) -> tuple[np.ndarray, np.ndarray]:
+def _polyline(solved: Solved, line: ArcLine) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) points and (n, 4) parameters along the arcs; places between arcs stand once."""
     arcs, turns = np.array(line.arcs).T
     rows = solved.rows[arcs]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
 from firstcontact.body.kept import Kept
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.certified.chains import Chain
 from firstcontact.curves.exactly.cusps import torsal_rulings
 
@@ -130,7 +130,7 @@ def _may_be_flat(chain: Chain) -> list[int]:
 
 def _has_edge(surface: RuledSurface) -> bool:
     """Whether all tangent planes touch along rulings, which do not pass through one point; exactly."""
-    rulings = Piece.of(surface).rulings
+    rulings = RulingPiece.of(surface).rulings
     return bool(torsal_rulings(rulings) == 0 and rulings.apex is None)
 
 

@@ -36,7 +36,7 @@ class Stop:
 
 
 @dataclass(frozen=True, eq=False)
-class Strand:
+class JoinedStrand:
     """A polyline; `stops` is empty for a loop.  places: (n, 2) positions of an exact one along both chains."""
 
     points: np.ndarray
@@ -53,7 +53,7 @@ def knot(p: Chain, q: Chain, place: np.ndarray, point: np.ndarray, parameters: n
     return Stop(BranchEnd("boundary", on, point, parameters), place, at_knot=True)
 
 
-class Found(Collected):
+class FoundChains(Collected):
     """What is known of the curve of two chains.
 
     Besides, places left open, how many cells were looked at and pairs decided exactly, and fields with apexes, which
@@ -76,7 +76,7 @@ class Found(Collected):
             ),
         }
 
-    def add(self, strands: list[Strand], places: list[OpenPlace], chains: tuple[Chain, ...] | None,
+    def add(self, strands: list[JoinedStrand], places: list[OpenPlace], chains: tuple[Chain, ...] | None,
             exact: Sequence[CurveFields]) -> None:  # fmt: skip
         """What two chains share: strands, places left open, and the fields of their pairs of pieces decided exactly.
 
@@ -159,7 +159,7 @@ class Found(Collected):
         near = ONE_PLACE * max(1.0, np.abs(point).max())
         return any((np.abs(branch.points - point).max(1) <= near).any() for branch in self.branches)
 
-    def _add_edges(self, strand: Strand, ends: list[int]) -> None:
+    def _add_edges(self, strand: JoinedStrand, ends: list[int]) -> None:
         """Those between the ends and cusps; a loop without cusps has a regular node."""
         cusps = [*self.cusps, *(x.point for x in self.singular if x.kind == "cusp")]
         stops = sorted({int(k) for x in cusps for k in np.flatnonzero((strand.points == x).all(1))})
@@ -201,7 +201,7 @@ class Near:
         size = max(1.0, float(np.abs(a.end.point).max()))
         return bool(apart.max() <= ONE_PLACE and np.abs(a.end.point - b.end.point).max() <= ONE_PLACE * size)
 
-    def same_ends(self, a: Strand, b: Strand) -> bool:
+    def same_ends(self, a: JoinedStrand, b: JoinedStrand) -> bool:
         return any(all(self(x, y) for x, y in zip(a.stops, order, strict=True)) for order in (b.stops, b.stops[::-1]))
 
     def groups(self, stops: Sequence[Stop]) -> list[list[Stop]]:
@@ -218,7 +218,7 @@ class Near:
         return groups
 
 
-def _cut(strands: list[Strand], near: Near) -> list[Strand]:
+def _cut(strands: list[JoinedStrand], near: Near) -> list[JoinedStrand]:
     """The strands in parts, where they pass through a place at a knot at which others end or pass too.
 
     What runs along a knot's ruling is known from both sides: it stays once.
@@ -232,7 +232,7 @@ def _cut(strands: list[Strand], near: Near) -> list[Strand]:
     for n, k, stop in passing:
         if id(stop) in shared:
             cuts.setdefault(n, []).append(k)
-    found: list[Strand] = []
+    found: list[JoinedStrand] = []
     for n, strand in enumerate(strands):
         for part in _parts(near.chains, strand, cuts[n]) if n in cuts else [strand]:
             if not any(near.same_ends(part, x) for x in found if _run_along_knots(near.chains, part, x)):
@@ -240,7 +240,7 @@ def _cut(strands: list[Strand], near: Near) -> list[Strand]:
     return found
 
 
-def _at_knots(chains: tuple[Chain, ...], strand: Strand) -> list[int]:
+def _at_knots(chains: tuple[Chain, ...], strand: JoinedStrand) -> list[int]:
     """Points of a strand, none of its ends, that may be on a knot's ruling."""
     if strand.places is None:
         return []
@@ -261,11 +261,11 @@ def _on_knots(chains: tuple[Chain, ...], places: np.ndarray) -> np.ndarray:
     return (np.abs(places - nearest) <= ONE_PLACE) & inner & np.array([chain.has_knots for chain in chains])
 
 
-def _run_along_knots(chains: tuple[Chain, ...], *strands: Strand) -> bool:
+def _run_along_knots(chains: tuple[Chain, ...], *strands: JoinedStrand) -> bool:
     return all(x.places is not None and _on_knots(chains, x.places).any(1).all() for x in strands)
 
 
-def _parts(chains: tuple[Chain, ...], strand: Strand, cuts: list[int]) -> list[Strand]:
+def _parts(chains: tuple[Chain, ...], strand: JoinedStrand, cuts: list[int]) -> list[JoinedStrand]:
     """The strand cut at these of its points."""
     assert strand.places is not None
     last = len(strand.points) - 1
@@ -285,19 +285,19 @@ def _parts(chains: tuple[Chain, ...], strand: Strand, cuts: list[int]) -> list[S
     ]  # fmt: skip
 
 
-def _inner(chains: tuple[Chain, ...], strand: Strand, k: int) -> Stop:
+def _inner(chains: tuple[Chain, ...], strand: JoinedStrand, k: int) -> Stop:
     assert strand.places is not None
     p, q = chains
     return knot(p, q, strand.places[k], strand.points[k], strand.parameters[k])
 
 
-def _chains(strands: list[Strand], through: dict[int, list[Stop]]) -> list[tuple[Strand, tuple[Stop, ...]]]:
+def _chains(strands: list[JoinedStrand], through: dict[int, list[Stop]]) -> list[tuple[JoinedStrand, tuple[Stop, ...]]]:
     """Strands joined where two stops are one place, each with its ends; those of loops are ()."""
     own = {id(stop): strand for strand in strands for stop in strand.stops}
     left = {id(strand): strand for strand in strands}
-    found: list[tuple[Strand, tuple[Stop, ...]]] = []
+    found: list[tuple[JoinedStrand, tuple[Stop, ...]]] = []
 
-    def follow(strand: Strand, begin: int) -> None:
+    def follow(strand: JoinedStrand, begin: int) -> None:
         """From stop `begin` of the strand on."""
         start, parts = strand.stops[begin], []
         while True:
@@ -324,7 +324,7 @@ def _chains(strands: list[Strand], through: dict[int, list[Stop]]) -> list[tuple
         if closed:
             points[-1] = points[0]
         multiplicity = min(x.multiplicity for x, _ in parts)
-        found.append((Strand(points, parameters, (), multiplicity), () if closed else (start, stop)))
+        found.append((JoinedStrand(points, parameters, (), multiplicity), () if closed else (start, stop)))
 
     for strand in strands:
         for begin, stop in enumerate(strand.stops):

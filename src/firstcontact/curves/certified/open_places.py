@@ -6,7 +6,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from firstcontact.curves.certified.arcs import Searched, Solved, lines_of
+from firstcontact.curves.certified.arcs import SearchedChains, Solved, lines_of
 from firstcontact.curves.certified.settled import PiecePair, Settled
 from firstcontact.kernels.curves import points as columns
 from firstcontact.result_curve import OpenPlace
@@ -21,7 +21,7 @@ LEAST = 1e-300
 _END_COLUMNS = [columns.X, columns.Y, columns.PART_U, columns.PART_V, columns.KIND]
 
 
-def open_boxes(found: Searched | Solved, stray: list[int], at_bounds: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def open_boxes(found: SearchedChains | Solved, stray: list[int], at_bounds: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """Parts (n, 2) and ranges (n, 4) of boxes left open.
 
     stray: places of branches that are points, or at which branches end without reason.  at_bounds: ends there; a
@@ -46,7 +46,7 @@ def open_boxes(found: Searched | Solved, stray: list[int], at_bounds: list[int])
     return parts[~here], ranges[~here]
 
 
-def _crossings_side_by_side(found: Searched | Solved) -> list[int]:
+def _crossings_side_by_side(found: SearchedChains | Solved) -> list[int]:
     """Places on one bound of u or v that are the same: a branch may touch the bound there, and go on or not."""
     kinds = found.places[:, columns.KIND]
     which = np.flatnonzero((kinds > 0) & (kinds < columns.CUT))
@@ -59,7 +59,7 @@ def _crossings_side_by_side(found: Searched | Solved) -> list[int]:
     return sorted({k for pair in beside for k in pair})
 
 
-def _clearly_beyond(found: Searched | Solved, parts: np.ndarray, ranges: np.ndarray) -> bool:
+def _clearly_beyond(found: SearchedChains | Solved, parts: np.ndarray, ranges: np.ndarray) -> bool:
     """Whether rulings of a short part of a line cross well beyond an end of one; the cells beside it are decided."""
     length = max(ranges[1] - ranges[0], ranges[3] - ranges[2])
     if length > SAME_PLACE:
@@ -92,7 +92,7 @@ def touching(parts: np.ndarray, ranges: np.ndarray) -> list[np.ndarray]:
     return groups
 
 
-def open_places(found: Searched) -> list[OpenPlace]:
+def open_places(found: SearchedChains) -> list[OpenPlace]:
     """Those that are seen before arcs are joined."""
     if not (len(found.opened) or (found.arcs[:, columns.START] == -2).any()):
         return []
@@ -102,7 +102,7 @@ def open_places(found: Searched) -> list[OpenPlace]:
     return [open_place(found, parts[group], ranges[group]) for group in touching(parts, ranges)]
 
 
-def open_place(found: Searched | Solved, parts: np.ndarray, ranges: np.ndarray) -> OpenPlace:
+def open_place(found: SearchedChains | Solved, parts: np.ndarray, ranges: np.ndarray) -> OpenPlace:
     own = []
     for side, chain in enumerate((found.p, found.q)):
         which = parts[:, side].astype(int)

@@ -9,7 +9,7 @@ import numpy as np
 
 from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.contact.signs.whole_rulings import segments
 from firstcontact.curves.exactly.tracing import Powers, Surfaces
 from firstcontact.errors import UnsupportedPair
@@ -49,7 +49,7 @@ class Reached(NamedTuple):
         """
         if not self.bounds or any(len(x.pieces) > 1 for x in self.given):
             return
-        p, q = (Piece.of(x.pieces[0]) for x in self.given)
+        p, q = (RulingPiece.of(x.pieces[0]) for x in self.given)
         u, v = (_powers(x) for x in parameters.T[:2])
         own, positions = Surfaces(p, q).points(u, v)
         # next to common rulings they are not told better by u and v
@@ -80,7 +80,7 @@ def reached(p: Ruled, q: Ruled) -> Reached:
         return Reached(_shortened(p, q), _shortened(q, p), (p, q))
     box = None
     if all(whole):
-        size = REACH * max(Surfaces(Piece.of(a), Piece.of(b)).size() for a in p.pieces for b in q.pieces)
+        size = REACH * max(Surfaces(RulingPiece.of(a), RulingPiece.of(b)).size() for a in p.pieces for b in q.pieces)
         box = np.array([[-size] * 3, [size] * 3])
     low, high = box if box is not None else (q if whole[0] else p).bounds()
     ball = _ball(low, high)

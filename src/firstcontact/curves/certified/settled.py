@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.certified.chains import Chain
-from firstcontact.curves.certified.joined import ONE_PLACE, Stop, Strand, knot
+from firstcontact.curves.certified.joined import ONE_PLACE, JoinedStrand, Stop, knot
 from firstcontact.curves.exactly.intersection import intersection
 from firstcontact.result_curve import Branch, BranchEnd
 
@@ -39,7 +39,7 @@ class Settled:
         self.chains, self.tolerance = (p, q), tolerance
         self.known: dict[PiecePair, CurveFields | None] = {}
         """None where the boxes of the pieces share no point."""
-        self._pieces: dict[tuple[int, int], Piece] = {}
+        self._pieces: dict[tuple[int, int], RulingPiece] = {}
         self._spent = 0
 
     def settle(self, pairs: Collection[PiecePair]) -> bool:
@@ -86,25 +86,25 @@ class Settled:
             return False
         return sum(c * u**i * v**j for (i, j), c in correspondence.items()) == 0
 
-    def strands(self) -> list[Strand]:
+    def strands(self) -> list[JoinedStrand]:
         return [self._strand(pair, branch) for pair, fields in self.known.items() if fields is not None
                 for branch in fields["branches"]]  # fmt: skip
 
-    def _piece(self, side: int, k: int) -> Piece:
+    def _piece(self, side: int, k: int) -> RulingPiece:
         if (side, k) not in self._pieces:
-            self._pieces[side, k] = Piece.of(self.chains[side].pieces[k])
+            self._pieces[side, k] = RulingPiece.of(self.chains[side].pieces[k])
         return self._pieces[side, k]
 
     def _may_meet(self, pair: PiecePair) -> bool:
         (low, high), (low_q, high_q) = (chain.piece_box(k) for chain, k in zip(self.chains, pair, strict=True))
         return bool((low <= high_q).all() and (low_q <= high).all())
 
-    def _strand(self, pair: PiecePair, branch: Branch) -> Strand:
+    def _strand(self, pair: PiecePair, branch: Branch) -> JoinedStrand:
         places = np.column_stack(
             [chain.position(k, x) for chain, k, x in zip(self.chains, pair, branch.parameters.T[:2], strict=True)]
         )
         stops = tuple(self._stop(pair, end, places[at]) for at, end in zip((0, -1), branch.ends, strict=False))
-        return Strand(branch.points, branch.parameters, stops, branch.multiplicity, places)
+        return JoinedStrand(branch.points, branch.parameters, stops, branch.multiplicity, places)
 
     def _stop(self, pair: PiecePair, end: BranchEnd, place: np.ndarray) -> Stop:
         """Bounds at which a piece goes on in its neighbour are none of the curve's; nothing else ends at others."""

@@ -18,7 +18,7 @@ from flint import fmpq
 from numpy.polynomial.polynomial import polyder, polyval
 
 from firstcontact.body.kept import Kept
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.certified.chains import Chain, product_table
 from firstcontact.curves.exactly.cusps import singular_points, stationary_rulings, torsal_rulings
 from firstcontact.curves.exactly.tracing import Powers, Surfaces, rows
@@ -89,10 +89,10 @@ def turned_back(
 
 def _torsal(piece: RuledSurface) -> list[Special]:
     """Those of a closed surface in the charts of u and of 1/u; both may have 1 and -1."""
-    return _TORSAL.of(piece, lambda: list(_torsal_rulings(Piece.of(piece))))
+    return _TORSAL.of(piece, lambda: list(_torsal_rulings(RulingPiece.of(piece))))
 
 
-def _torsal_rulings(piece: Piece) -> Iterator[Special]:
+def _torsal_rulings(piece: RulingPiece) -> Iterator[Special]:
     charts = [(False, piece.rulings, piece.u or UNIT)]
     if piece.u is None:
         charts.append((True, piece.rulings.reversed(), UNIT))
@@ -269,7 +269,8 @@ class _Over:
     """The curve over u, in the chart of u or 1/u, near a value of v."""
 
     def __init__(self, own: RuledSurface, other: RuledSurface, reverse: bool, start: float) -> None:
-        self.p, self.q, self.reverse, self.far = Piece.of(own), Piece.of(other), reverse, bool(abs(start) > 1.0)
+        self.p, self.q = RulingPiece.of(own), RulingPiece.of(other)
+        self.reverse, self.far = reverse, bool(abs(start) > 1.0)
         self.start = 1.0 / start if self.far else start
         self.line = rows(self.p.reversed_rulings(reverse).line).T
         lines = rows(self.q.reversed_rulings(self.far).line)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from flint import fmpq, fmpz_mpoly
 
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.exactly.clipping import Clip
 from firstcontact.curves.exactly.spots import Box
 from firstcontact.curves.lone_points import is_on_branches, is_on_lines
@@ -88,12 +88,13 @@ class Parts(Collected):
         return any((np.abs(branch.points - point).max(1) <= near).any() for branch in self.branches)
 
 
-class Found(Parts):
+class FoundCurve(Parts):
     """Those of two ruled surfaces; `p`, `q` in the parameters the search uses."""
 
     def __init__(
-        self, p: Piece, q: Piece, tolerance: float, box: Box | None, given: tuple[Piece, Piece] | None = None
-    ) -> None:
+        self, p: RulingPiece, q: RulingPiece, tolerance: float, box: Box | None,
+        given: tuple[RulingPiece, RulingPiece] | None = None,
+    ) -> None:  # fmt: skip
         super().__init__(tolerance)
         self.p, self.q, self.box = p, q, box
         self.pieces, self.given = (p, q), given or (p, q)
@@ -137,13 +138,13 @@ class Found(Parts):
         }
 
 
-def apexes(*pieces: Piece) -> list[np.ndarray]:
+def apexes(*pieces: RulingPiece) -> list[np.ndarray]:
     """Those of cones, none at infinity."""
     found = [x.rulings.apex for x in pieces]
     return [np.array([float(fmpq(c, x[3])) for c in x[:3]]) for x in found if x is not None and x[3] != 0]
 
 
-class Pair(NamedTuple):
+class RulingPair(NamedTuple):
     """Parameters of two rulings."""
 
     u: Parameter

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.certified.chains import Chain
-from firstcontact.curves.exactly.answer import Found, apexes
+from firstcontact.curves.exactly.answer import FoundCurve, apexes
 from firstcontact.curves.exactly.branches import add_apex
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.polynomials.bivariate import in_u, in_v
@@ -54,8 +54,8 @@ class ApexRulings:
     def points(self, tolerance: float) -> Iterator[CurveFields]:
         """The fields of the apexes that the arcs found are, where both pieces hold them."""
         for side, i, j in sorted(self.met):
-            pieces = [Piece.of(chain.pieces[k]) for chain, k in zip(self.chains, (i, j), strict=True)]
-            found = Found(pieces[0], pieces[1], tolerance, None)
+            pieces = [RulingPiece.of(chain.pieces[k]) for chain, k in zip(self.chains, (i, j), strict=True)]
+            found = FoundCurve(pieces[0], pieces[1], tolerance, None)
             (point,) = apexes(pieces[1 - side])
             for root in self._rulings(side, i, j):
                 add_apex(found, (in_u, in_v)[side](root.polynomial), point, side, root)
@@ -87,7 +87,7 @@ class ApexRulings:
         """Finite parameters of rulings through the apex of the other piece, where that has one and not all pass it."""
         key = side, i, j
         if key not in self._known:
-            own, other = (Piece.of(self.chains[k].pieces[(i, j)[k]]).rulings for k in (side, 1 - side))
+            own, other = (RulingPiece.of(self.chains[k].pieces[(i, j)[k]]).rulings for k in (side, 1 - side))
             self._known[key] = []
             if other.apex is not None and other.apex[3] != 0:
                 self._known[key] = all_real_roots(rulings_through(own, other.apex))

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import arb, fmpq, fmpz_mpoly
 
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.exactly import cusps
-from firstcontact.curves.exactly.answer import Found, same
+from firstcontact.curves.exactly.answer import FoundCurve, same
 from firstcontact.curves.exactly.clipping import EQUAL_BITS
 from firstcontact.curves.exactly.spots import Spot, doubles, ratio, spot
-from firstcontact.curves.exactly.tracing import Points, Strand, Surfaces, Tracer
+from firstcontact.curves.exactly.tracing import Points, Surfaces, TracedStrand, Tracer
 from firstcontact.exact.curves.plane_curves import topology
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import dyadic, precision, to_double
@@ -27,7 +27,7 @@ from firstcontact.result_curve import Branch, BranchEnd
 
 if TYPE_CHECKING:
     from firstcontact.curves.with_solids.solid_curve import _SheetParts
-    from firstcontact.exact.curves.plane_curves import Edge, Graph, Node
+    from firstcontact.exact.curves.plane_curves import Graph, Node, PlaneEdge
 
 # Where branches to infinity are cut, in units of the size of the directrices.
 REACH = 100.0
@@ -50,7 +50,7 @@ Curves = Sequence[tuple[fmpz_mpoly, int]]
 """Irreducible polynomials and their multiplicities."""
 
 
-def add_curves(found: Found, curves: Curves) -> None:
+def add_curves(found: FoundCurve, curves: Curves) -> None:
     """Branches and isolated points of these curves in u, v."""
     p, q, clip, factors = found.p, found.q, found.clip, [f for f, _ in curves]
     still = cusps.candidates(p.rulings, q.rulings, factors)
@@ -68,8 +68,9 @@ def add_curves(found: Found, curves: Curves) -> None:
 
 
 def add_branches(
-    found: Found | _SheetParts, joints: Joints, kept: Sequence[Edge], curves: Curves, still: Sequence[fmpz_mpoly] = ()
-) -> None:
+    found: FoundCurve | _SheetParts, joints: Joints, kept: Sequence[PlaneEdge], curves: Curves,
+    still: Sequence[fmpz_mpoly] = (),
+) -> None:  # fmt: skip
     """The branches of these edges of a graph of these curves; found: Found, or alike for another second body.
 
     still: polynomials with a zero wherever the curves in space stand still but those in u, v do not.
@@ -78,7 +79,7 @@ def add_branches(
         _Assembly(found, joints, joints.graph, kept, curves, still).run()
 
 
-def add_apex(found: Found, line: fmpz_mpoly, apex: np.ndarray, side: int, parameter: AlgebraicRoot) -> None:
+def add_apex(found: FoundCurve, line: fmpz_mpoly, apex: np.ndarray, side: int, parameter: AlgebraicRoot) -> None:
     """Adds the apex of one surface as an isolated point, where it is on both pieces.
 
     line: the polynomial in one variable whose zero is the ruling of the other surface through the apex.
@@ -100,7 +101,7 @@ def add_apex(found: Found, line: fmpz_mpoly, apex: np.ndarray, side: int, parame
 class Meetings:
     """Where a pair (u, v) of rulings is in space: the point in which they meet."""
 
-    def __init__(self, p: Piece, q: Piece) -> None:
+    def __init__(self, p: RulingPiece, q: RulingPiece) -> None:
         self.p, self.q = p, q
 
     def spot(self, chart: tuple[bool, bool], x: arb, y: arb, bits: int) -> Spot:
@@ -114,7 +115,7 @@ class Meetings:
 class Joints:
     """The nodes of a graph in space; `place` tells where (u, v) is."""
 
-    def __init__(self, found: Found | _SheetParts, graph: Graph, place: Any) -> None:
+    def __init__(self, found: FoundCurve | _SheetParts, graph: Graph, place: Any) -> None:
         self.found, self.graph, self.in_space = found, graph, place
         self._spots: dict[int, Spot] = {}
         self._limits: dict[int, list[np.ndarray]] = defaultdict(list)
@@ -136,7 +137,7 @@ class Joints:
         """Whether the weight of the point is zero to LIMIT_BITS: the point is at infinity, or beyond all doubles."""
         return self.spot(node).may_be_infinite()
 
-    def corner(self, edge: Edge, at_end: int) -> Corner:
+    def corner(self, edge: PlaneEdge, at_end: int) -> Corner:
         node = self.graph.nodes[edge.end if at_end else edge.start]
         where = self.spot(node)
         if where.point is None:
@@ -145,7 +146,7 @@ class Joints:
             return Corner((node.index, 0), None, (np.nan, np.nan))
         return Corner((node.index, 0), doubles(where.coordinates()), (ratio(where.s), ratio(where.t)))
 
-    def _limit_corner(self, node: Node, edge: Edge, at_end: int) -> Corner:
+    def _limit_corner(self, node: Node, edge: PlaneEdge, at_end: int) -> Corner:
         where = self.beside(edge, at_end)
         size = max(float(abs(x).mid()) for x in where.point)  # type: ignore[union-attr]
         if abs(float(where.point[3].mid())) <= 1e-15 * size:  # type: ignore[index]
@@ -188,7 +189,7 @@ class Joints:
             return
         self.found.add_isolated(doubles(where.coordinates()), node)
 
-    def turns_back(self, first: tuple[Edge, int], second: tuple[Edge, int]) -> bool:
+    def turns_back(self, first: tuple[PlaneEdge, int], second: tuple[PlaneEdge, int]) -> bool:
         """Whether two edges leave their common end in one direction."""
         edge, at_end = first
         node = self.graph.nodes[edge.end if at_end else edge.start]
@@ -210,10 +211,10 @@ class _Assembly:
 
     def __init__(
         self,
-        found: Found | _SheetParts,
+        found: FoundCurve | _SheetParts,
         joints: Joints,
         graph: Graph,
-        kept: Sequence[Edge],
+        kept: Sequence[PlaneEdge],
         curves: Curves,
         still: Sequence[fmpz_mpoly],
     ) -> None:
@@ -255,7 +256,7 @@ class _Assembly:
         radius = np.inf if self.found.finite else REACH * tracer.surfaces.size()
         return tracer.trace(ends, self.found.tolerance, radius)
 
-    def _strand(self, edge: Any) -> Strand:
+    def _strand(self, edge: Any) -> TracedStrand:
         (x0, y0), (x1, y1) = ([float(x.mid()) for x in self.joints.place(edge, k, 128)] for k in (0, 1))
         u, v = (x.enclosure(96) if isinstance(x, AlgebraicRoot) else arb(x) for x in edge.sample)
         with precision(96):
@@ -265,7 +266,7 @@ class _Assembly:
         slabs = [(k, n) for (_, k), n in zip(edge.slabs, edge.numbers, strict=True)] if hasattr(edge, "slabs") else []
         limits = [float(x.enclosure(64).mid()) for x in edge.limits] if slabs else []
         at = inside[0], inside[1]
-        return Strand(edge, edge.chart, edge.vertical, edge.curve, (x0, y0), (x1, y1), at, window, slabs, limits)
+        return TracedStrand(edge, edge.chart, edge.vertical, edge.curve, (x0, y0), (x1, y1), at, window, slabs, limits)
 
     def _corner(self, key: tuple[int, int]) -> Corner:
         i, k = self.at[key][0]

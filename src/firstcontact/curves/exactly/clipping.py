@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import arb, fmpq, fmpz_mpoly, fmpz_poly
 
-from firstcontact.contact.signs.pieces import Inequality, Piece, at_place
+from firstcontact.contact.signs.pieces import Inequality, RulingPiece, at_place
 from firstcontact.curves.exactly import cusps
 from firstcontact.curves.exactly.spots import Box, Spot, equalities, sides, spot
 from firstcontact.exact.fields.roots import AlgebraicRoot
@@ -33,7 +33,7 @@ from firstcontact.pairs.ruled_ruled import (
 )  # fmt: skip
 
 if TYPE_CHECKING:
-    from firstcontact.exact.curves.plane_curves import Edge, Node
+    from firstcontact.exact.curves.plane_curves import Node, PlaneEdge
 
 Degrees = tuple[int, int]
 # Precision at which a bound that cannot be told from equality is named at an end: agreement to 1e-90.
@@ -53,7 +53,7 @@ class Condition:
 class Clip:
     """The bounds of two pieces and of the box on the pairs (u, v) of rulings that meet."""
 
-    def __init__(self, p: Piece, q: Piece, box: Box | None) -> None:
+    def __init__(self, p: RulingPiece, q: RulingPiece, box: Box | None) -> None:
         self.p, self.q, self.box = p, q, box
         self.points = meeting(p.rulings, q.rulings)
         self.bounded = p.bounded or q.bounded or bool(p.trim or q.trim) or box is not None
@@ -108,7 +108,7 @@ class Clip:
         found = [x for k in columns for c in self.conditions(k) for x, _, _ in c.polynomials]
         return [x for i, x in enumerate(found) if not x.is_constant() and x not in found[:i]]
 
-    def keeps_edge(self, edge: Edge, factor: fmpz_mpoly) -> bool:
+    def keeps_edge(self, edge: PlaneEdge, factor: fmpz_mpoly) -> bool:
         """Whether the open edge belongs to both pieces."""
         if not self.bounded:
             return True
@@ -144,7 +144,7 @@ def _signs(c: Condition, u: Parameter, v: Parameter) -> int:
     return found
 
 
-def _trim(piece: Piece, g: Inequality, pair: Any, along: Any, own: int) -> Condition:
+def _trim(piece: RulingPiece, g: Inequality, pair: Any, along: Any, own: int) -> Condition:
     """g(u, s) >= 0 with s = -D3 W2 / (D4 W1 - D3 W2), times an even power of the denominator."""
     (d1, degrees), (d2, other) = pair
     w1, w2 = along(piece.rulings.first[3]), along(piece.rulings.second[3])
@@ -164,14 +164,14 @@ def _degree(curve: Sequence[fmpz_poly]) -> int:
     return max(x.degree() for x in curve)
 
 
-def in_range(piece: Piece, parameter: Parameter) -> bool:
+def in_range(piece: RulingPiece, parameter: Parameter) -> bool:
     if piece.u is None:
         return True
     low, high = piece.u
     return parameter is not None and parameter.compare(low) >= 0 and parameter.compare(high) <= 0
 
 
-def overlap(p: Piece, q: Piece, u: Parameter, v: Parameter) -> np.ndarray | None:
+def overlap(p: RulingPiece, q: RulingPiece, u: Parameter, v: Parameter) -> np.ndarray | None:
     """(2, 3) ends of what the pieces share of their common ruling l(u) = m(v), equal for a point; None for nothing.
 
     Two points of the line where both rulings are unbounded.

@@ -13,9 +13,9 @@ from itertools import combinations
 import numpy as np
 from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
-from firstcontact.contact.signs.pieces import Piece, at_place
+from firstcontact.contact.signs.pieces import RulingPiece, at_place
 from firstcontact.contact.signs.sheets import samples
-from firstcontact.curves.exactly.answer import Found, Pair
+from firstcontact.curves.exactly.answer import FoundCurve, RulingPair
 from firstcontact.curves.exactly.branches import add_apex, add_curves
 from firstcontact.curves.exactly.clipping import Condition, in_range
 from firstcontact.curves.exactly.shared_rulings import holds
@@ -27,7 +27,7 @@ from firstcontact.pairs.ruled_ruled import all_real_roots, divides, rulings_thro
 Range = tuple[fmpq, fmpq] | None
 
 
-def all_meet(found: Found) -> None:
+def all_meet(found: FoundCurve) -> None:
     """What the pieces share besides common rulings, given that all their rulings meet."""
     p, q = found.p.rulings, found.q.rulings
     if p.apex is not None and p.apex == q.apex:
@@ -46,7 +46,7 @@ def all_meet(found: Found) -> None:
             add_curves(found, [(f, 1) for f in curves])
 
 
-def _add_apex_of_other(found: Found, border: fmpz_mpoly) -> bool:
+def _add_apex_of_other(found: FoundCurve, border: fmpz_mpoly) -> bool:
     """Whether a border is of rulings through the apex of the other piece: they share that point, and no curve."""
     side = 0 if border.degrees()[1] == 0 else 1
     own, apex = found.pieces[side], found.pieces[1 - side].rulings.apex
@@ -60,7 +60,7 @@ def _add_apex_of_other(found: Found, border: fmpz_mpoly) -> bool:
     return True
 
 
-def _apex(found: Found, apex: Sequence[fmpz]) -> None:
+def _apex(found: FoundCurve, apex: Sequence[fmpz]) -> None:
     """The common apex, where it is finite and on both pieces."""
     if apex[3] == 0:
         return
@@ -69,10 +69,10 @@ def _apex(found: Found, apex: Sequence[fmpz]) -> None:
         if found.box is None or all(
             fmpq(low) <= fmpq(x, apex[3]) <= fmpq(high) for x, low, high in zip(apex, *found.box, strict=False)
         ):
-            found.add_isolated(np.array([float(fmpq(x, apex[3])) for x in apex[:3]]), Pair(u, v))
+            found.add_isolated(np.array([float(fmpq(x, apex[3])) for x in apex[:3]]), RulingPair(u, v))
 
 
-def _parameter_of(piece: Piece, apex: Sequence[fmpz]) -> AlgebraicRoot | None:
+def _parameter_of(piece: RulingPiece, apex: Sequence[fmpz]) -> AlgebraicRoot | None:
     """A parameter whose ruling holds the apex inside the piece."""
     roots = _in_range([r for g in _changes(piece, apex) if g != 0 for r in all_real_roots(g)], piece.u)
     ends = [AlgebraicRoot.of(x) for x in piece.u or ()]
@@ -82,7 +82,7 @@ def _parameter_of(piece: Piece, apex: Sequence[fmpz]) -> AlgebraicRoot | None:
     return None
 
 
-def _changes(piece: Piece, apex: Sequence[fmpz]) -> list[fmpz_poly]:
+def _changes(piece: RulingPiece, apex: Sequence[fmpz]) -> list[fmpz_poly]:
     """Polynomials in u without whose zeros the apex stays inside or outside the part of the ruling."""
     first, second = piece.rulings.first, piece.rulings.second
     found: list[fmpz_poly] = []

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import fmpq, fmpz_mpoly
 
-from firstcontact.contact.signs.pieces import Piece
-from firstcontact.curves.exactly.answer import Found, Pair
+from firstcontact.contact.signs.pieces import RulingPiece
+from firstcontact.curves.exactly.answer import FoundCurve, RulingPair
 from firstcontact.curves.exactly.branches import add_apex, add_curves
 from firstcontact.curves.exactly.clipping import in_range
 from firstcontact.curves.exactly.coincident import all_meet
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 
 
 def intersection(
-    p: Piece, q: Piece, tolerance: float, box: Box | None, inside: bool = False
+    p: RulingPiece, q: RulingPiece, tolerance: float, box: Box | None, inside: bool = False
 ) -> CurveFields:
     """The fields of IntersectionCurve; inside: common rulings outside the pieces are not looked for."""
     ranges = (p.u, q.u) if inside else (None, None)
     whole, in_given = delta(p.rulings, q.rulings), common_rulings(p.rulings, q.rulings, *ranges)
-    found = Found(p, q, tolerance, box)
+    found = FoundCurve(p, q, tolerance, box)
     common, d = in_given, whole
     if (moved := _away_from_infinity(found, not common.correspondence.is_constant())) is not found:
         found = moved
@@ -42,11 +42,11 @@ def intersection(
     if not common.correspondence.is_constant():
         along_correspondence(found, common.correspondence)
     for u, v in common.pairs:
-        add_shared(found, Pair(u, v))
+        add_shared(found, RulingPair(u, v))
     return found.fields(whole, in_given)
 
 
-def _away_from_infinity(found: Found, family: bool) -> Found:
+def _away_from_infinity(found: FoundCurve, family: bool) -> FoundCurve:
     """The same pieces in parameters in which infinity is nothing special: no bound holds on all of that ruling.
 
     family: there is a curve of common rulings.
@@ -60,11 +60,11 @@ def _away_from_infinity(found: Found, family: bool) -> Found:
                 break
             moved = list(found.pieces)
             moved[side] = found.given[side].away_from_infinity(shift)
-            found = Found(moved[0], moved[1], found.tolerance, found.box, found.given)
+            found = FoundCurve(moved[0], moved[1], found.tolerance, found.box, found.given)
     return found
 
 
-def _curves(found: Found, d: fmpz_mpoly, correspondence: fmpz_mpoly) -> None:
+def _curves(found: FoundCurve, d: fmpz_mpoly, correspondence: fmpz_mpoly) -> None:
     """Branches and isolated points: the factors of Delta that are curves, special rulings, and apexes."""
     curves, special = factors(found.p.rulings, found.q.rulings, d, found.clip.points, correspondence)
     wanted = [(f.polynomial, f.multiplicity) for f in curves if f.kind is FactorKind.CURVE]

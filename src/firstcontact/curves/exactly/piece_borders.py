@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from flint import arb, fmpz_poly
 
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.exactly import tracing
 from firstcontact.curves.exactly.spots import Chart, Spot
 from firstcontact.curves.exactly.tracing import Powers
@@ -36,7 +36,7 @@ class Border:
         return all(x.derivative() * weight == x * weight.derivative() for x in point)
 
 
-def borders(piece: Piece, side: int) -> list[Border]:
+def borders(piece: RulingPiece, side: int) -> list[Border]:
     found = [Border(side, ((end,), (1,))) for end in (0, 1)] if piece.bounded else []
     for g in irreducible(polynomial(g) for g in piece.trim):
         in_s = rows(g)
@@ -55,7 +55,7 @@ class BorderCurve:
     As `branches.Joints` and `tracing.Tracer` ask for it.
     """
 
-    def __init__(self, p: Piece, q: Piece, border: Border) -> None:
+    def __init__(self, p: RulingPiece, q: RulingPiece, border: Border) -> None:
         self.pieces, self.side = (p, q), border.side
         self.curve = border.curve(self.pieces[self.side].rulings)
         self.degrees = [max(x.degree() for x in part) for part in (self.curve[:4], self.curve[4:])]

@@ -8,8 +8,8 @@ from typing import Any
 
 from flint import fmpq, fmpz_mpoly
 
-from firstcontact.contact.signs.pieces import Piece, at_place
-from firstcontact.curves.exactly.answer import Found
+from firstcontact.contact.signs.pieces import RulingPiece, at_place
+from firstcontact.curves.exactly.answer import FoundCurve
 from firstcontact.curves.exactly.branches import Joints, add_branches
 from firstcontact.curves.exactly.piece_borders import Border, BorderCurve
 from firstcontact.curves.exactly.shared_rulings import add_shared, share_a_segment, touching_borders
@@ -37,7 +37,7 @@ ENDS = 2, 4, 5
 """The components 03, 13, 23 of a Pluecker vector: the direction."""
 
 
-def along_correspondence(found: Found, correspondence: fmpz_mpoly) -> None:
+def along_correspondence(found: FoundCurve, correspondence: fmpz_mpoly) -> None:
     """Whether rulings that are one line share segments along the correspondence: then the pieces share an area."""
     p, q, box = found.p, found.q, found.box
     factors = irreducible([correspondence])
@@ -63,7 +63,7 @@ def along_correspondence(found: Found, correspondence: fmpz_mpoly) -> None:
             add_shared(found, node)
 
 
-def special_at_infinity(p: Piece, q: Piece, box: Box | None, side: int) -> bool:
+def special_at_infinity(p: RulingPiece, q: RulingPiece, box: Box | None, side: int) -> bool:
     """Whether what rulings share may change at the parameter infinity of one side, so that it must be a node."""
     pieces = [p, q]
     if pieces[side].u is not None or not (box is not None or any(x.bounded or x.trim for x in pieces)):
@@ -84,7 +84,7 @@ def special_at_infinity(p: Piece, q: Piece, box: Box | None, side: int) -> bool:
     return False
 
 
-def _critical(p: Piece, q: Piece, box: Box | None, factors: list[fmpz_mpoly]) -> list[fmpz_mpoly]:
+def _critical(p: RulingPiece, q: RulingPiece, box: Box | None, factors: list[fmpz_mpoly]) -> list[fmpz_mpoly]:
     """Polynomials in u and v: between their zeros on the correspondence, what rulings share stays as it is.
 
     Along the line, told by a coordinate x of its points (T in these rings), every bound is a polynomial.  The parts
@@ -104,12 +104,12 @@ def _critical(p: Piece, q: Piece, box: Box | None, factors: list[fmpz_mpoly]) ->
     return [_in_u_v(f) for f in found]
 
 
-def _coordinate(p: Piece) -> int:
+def _coordinate(p: RulingPiece) -> int:
     """One that tells the points of almost all rulings apart."""
     return next(j for j in range(3) if p.rulings.line[ENDS[j]] != 0)
 
 
-def _bounds(p: Piece, q: Piece) -> Iterator[fmpz_mpoly]:
+def _bounds(p: RulingPiece, q: RulingPiece) -> Iterator[fmpz_mpoly]:
     """What vanishes at the ends of rulings and where inequalities hold with equality, and where they are points."""
     x, j = RING.gens()[X], _coordinate(p)
     yield embedded(p.rulings.line[ENDS[j]], 0)
@@ -123,7 +123,7 @@ def _bounds(p: Piece, q: Piece) -> Iterator[fmpz_mpoly]:
             yield from (at_place(g, RING.gens()[k], n, d) for g in piece.trim)
 
 
-def _walls(p: Piece, box: Box) -> Iterator[fmpz_mpoly]:
+def _walls(p: RulingPiece, box: Box) -> Iterator[fmpz_mpoly]:
     """What vanishes where the line leaves the box: it meets x_j = x in the point (L_ij - x L_i3) / L_3j."""
     j, x = _coordinate(p), RING.gens()[X]
     line = [embedded(c, 0) for c in p.rulings.line]

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import arb, fmpq, fmpz, fmpz_poly
 
-from firstcontact.contact.signs.pieces import Inequality, Piece
-from firstcontact.curves.exactly.answer import Found
+from firstcontact.contact.signs.pieces import Inequality, RulingPiece
+from firstcontact.curves.exactly.answer import FoundCurve
 from firstcontact.curves.exactly.branches import REACH
 from firstcontact.curves.exactly.clipping import in_range, overlap
 from firstcontact.curves.exactly.piece_borders import Border, borders
@@ -36,7 +36,7 @@ BITS = 128
 """Of the points."""
 
 
-def add_shared(found: Found, where: Where) -> None:
+def add_shared(found: FoundCurve, where: Where) -> None:
     """Put in what the pieces share of the ruling at the parameters `where.u` and `where.v`."""
     for part in shared(found.p, found.q, where.u, where.v, found.box):
         if (part[0] != part[1]).any():
@@ -45,7 +45,7 @@ def add_shared(found: Found, where: Where) -> None:
             found.add_isolated(part[0], where)
 
 
-def shared(p: Piece, q: Piece, u: Parameter, v: Parameter, box: Box | None) -> np.ndarray:
+def shared(p: RulingPiece, q: RulingPiece, u: Parameter, v: Parameter, box: Box | None) -> np.ndarray:
     """(n, 2, 3) ends of what the pieces share of the ruling l(u) = m(v), equal for a point.
 
     Two points of the line where all of it is shared; half-lines end where branches do.
@@ -59,7 +59,7 @@ def shared(p: Piece, q: Piece, u: Parameter, v: Parameter, box: Box | None) -> n
     return np.array([line.segment(part, REACH * Surfaces(p, q).size()) for part in parts]).reshape(-1, 2, 3)
 
 
-def share_a_segment(p: Piece, q: Piece, u: Parameter, v: Parameter, box: Box | None) -> bool | None:
+def share_a_segment(p: RulingPiece, q: RulingPiece, u: Parameter, v: Parameter, box: Box | None) -> bool | None:
     """Whether they share more than points of the ruling l(u) = m(v); None: nothing at all."""
     if not (p.trim or q.trim or box is not None):
         part = overlap(p, q, u, v)
@@ -68,7 +68,9 @@ def share_a_segment(p: Piece, q: Piece, u: Parameter, v: Parameter, box: Box | N
     return any(start is not end or start is None for start, end in parts) if parts else None
 
 
-def touching_borders(p: Piece, q: Piece, u: AlgebraicRoot, v: AlgebraicRoot, box: Box | None) -> list[Border]:
+def touching_borders(
+    p: RulingPiece, q: RulingPiece, u: AlgebraicRoot, v: AlgebraicRoot, box: Box | None
+) -> list[Border]:
     """Borders on which the points lie that are all they share of the ruling l(u) = m(v), one for each."""
     line, parts = _parts(p, q, u, v, box)
     given = [(b, b.curve(piece.rulings), x) for k, (piece, x) in enumerate(((p, u), (q, v))) for b in borders(piece, k)]
@@ -93,7 +95,7 @@ def _ratio(above: fmpz_poly, under: fmpz_poly, at: AlgebraicRoot) -> arb:
         return above(x) / under(x)
 
 
-def holds(piece: Piece, u: AlgebraicRoot, point: Sequence[fmpz]) -> bool:
+def holds(piece: RulingPiece, u: AlgebraicRoot, point: Sequence[fmpz]) -> bool:
     """Whether a finite point (X, Y, Z, W) of the line l(u) belongs to the piece."""
     at = NumberField(u).generator()
     bounds = _inequalities(piece, u, at)
@@ -108,7 +110,7 @@ def holds(piece: Piece, u: AlgebraicRoot, point: Sequence[fmpz]) -> bool:
     return bool(not_negative(at.field, bounds, BITS))
 
 
-def _parts(p: Piece, q: Piece, u: Parameter, v: Parameter, box: Box | None) -> tuple[_Line, list[Part]]:
+def _parts(p: RulingPiece, q: RulingPiece, u: Parameter, v: Parameter, box: Box | None) -> tuple[_Line, list[Part]]:
     (own_p, x), (own_q, y) = p.rulings.chart(u), q.rulings.chart(v)
     field, at_p, at_q = _common_field(x, y)
     line = _Line([_value(c, at_p) for c in own_p.line])
@@ -171,7 +173,7 @@ def _value(f: fmpz_poly, at: FieldElement) -> FieldElement:
     return horner([at.field(c) for c in f.coeffs()], at, at.field(0))
 
 
-def _inequalities(piece: Piece, parameter: Parameter, at: FieldElement) -> list[Polynomial]:
+def _inequalities(piece: RulingPiece, parameter: Parameter, at: FieldElement) -> list[Polynomial]:
     """The polynomials in s that are not negative on the ruling's part."""
     field = at.field
     bounds: list[Polynomial] = [[field(0), field(1)], [field(1), field(-1)]] if piece.bounded else []

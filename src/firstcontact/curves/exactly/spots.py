@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import arb
 
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import precision, rational
 from firstcontact.exact.polynomials.inertia import dot
@@ -75,7 +75,7 @@ class Spot:
         return self.point is not None and self.point[3].contains(0)
 
 
-def spot(p: Piece, q: Piece, chart: Chart, x: arb, y: arb, bits: int) -> Spot:
+def spot(p: RulingPiece, q: RulingPiece, chart: Chart, x: arb, y: arb, bits: int) -> Spot:
     a, b = p.reversed_rulings(chart[0]), q.reversed_rulings(chart[1])
     with precision(bits):
         line, other = [c(x) for c in a.line], [c(y) for c in b.line]
@@ -101,7 +101,7 @@ def _lower(x: arb) -> float:
     return float(abs(x).lower()) if not x.contains(0) else 0.0
 
 
-def sides(where: Spot, p: Piece, q: Piece, box: Box | None) -> int:
+def sides(where: Spot, p: RulingPiece, q: RulingPiece, box: Box | None) -> int:
     """-1: the point is off a piece or the box; 1: inside both; 0: the balls cannot tell."""
     if where.point is None:
         return 0
@@ -111,12 +111,12 @@ def sides(where: Spot, p: Piece, q: Piece, box: Box | None) -> int:
     return 1 if all(value > 0 for value in values) else 0
 
 
-def equalities(where: Spot, p: Piece, q: Piece, box: Box | None) -> tuple[str, ...]:
+def equalities(where: Spot, p: RulingPiece, q: RulingPiece, box: Box | None) -> tuple[str, ...]:
     """The names of the bounds whose margin the balls cannot tell from zero."""
     return tuple(dict.fromkeys(name for name, value in margins(where, p, q, box) if value.contains(0)))
 
 
-def margins(where: Spot, p: Piece, q: Piece, box: Box | None) -> list[tuple[str, arb]]:
+def margins(where: Spot, p: RulingPiece, q: RulingPiece, box: Box | None) -> list[tuple[str, arb]]:
     """The bounds of the pieces and of the box, as numbers that are not negative inside."""
     found: list[tuple[str, arb]] = []
     with precision(where.bits):

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import to_double
 
@@ -136,7 +136,7 @@ def sizes(curves: Sequence[np.ndarray], at: Powers) -> np.ndarray:
 class Surfaces:
     """Both families in doubles: directrices and primitive lines."""
 
-    def __init__(self, p: Piece, q: Piece) -> None:
+    def __init__(self, p: RulingPiece, q: RulingPiece) -> None:
         self.ends = tuple(tuple(rows(c) for c in (x.rulings.first, x.rulings.second)) for x in (p, q))
         self.lines = tuple(rows(x.rulings.line) for x in (p, q))
 
@@ -177,7 +177,7 @@ def _cross(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Strand:
+class TracedStrand:
     """One edge of the graph on its way to a polyline, in its chart.
 
     chart        whether the coordinates x, y are 1/u and 1/v
@@ -229,7 +229,9 @@ class Points:
 class Tracer:
     """Polylines of all strands of one graph at once: arrays hold one entry per point."""
 
-    def __init__(self, surfaces: Surfaces | _Sheet, factors: Sequence[fmpz_mpoly], strands: Sequence[Strand]) -> None:
+    def __init__(
+        self, surfaces: Surfaces | _Sheet, factors: Sequence[fmpz_mpoly], strands: Sequence[TracedStrand]
+    ) -> None:
         self.surfaces, self.strands = surfaces, strands
         self.coefficients = [matrix(f) for f in factors]
         self.reverse_u, self.reverse_v = (np.array([s.chart[k] for s in strands]) for k in (0, 1))

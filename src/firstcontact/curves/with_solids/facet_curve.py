@@ -17,7 +17,7 @@ from flint import fmpq
 from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import Plane, Vector, dot, primitive
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.certified.cover import Cover
 from firstcontact.curves.exactly.branches import Joints
 from firstcontact.curves.with_solids.solid_curve import SheetCurve, sign_at
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from firstcontact.curves.exactly.spots import Box
     from firstcontact.curves.with_solids.solid_curve import Joining
-    from firstcontact.exact.curves.plane_curves import Edge, Node
+    from firstcontact.exact.curves.plane_curves import Node, PlaneEdge
 
 
 @dataclass(frozen=True)
@@ -161,8 +161,9 @@ class FacetCurve(SheetCurve):
     """joining: as `knots` and `joins` of SheetCurve."""
 
     def __init__(
-        self, piece: Piece, facet: Facet, tolerance: float, box: Box | None, first: bool, **joining: Unpack[Joining]
-    ) -> None:
+        self, piece: RulingPiece, facet: Facet, tolerance: float, box: Box | None, first: bool,
+        **joining: Unpack[Joining],
+    ) -> None:  # fmt: skip
         super().__init__(piece, facet.surfaces, 1, tolerance, box, first, **joining)
         self.facet = facet
         self.clip.marks += [(f"edge {e}", self.forms[k], self.sheet.degree) for k, e in facet.borders.items()]
@@ -170,7 +171,7 @@ class FacetCurve(SheetCurve):
     def lies_in_surface(self) -> None:
         raise UnsupportedPair(f"{self.facet.who}: the ruled piece lies in the plane of face {self.facet.face}")
 
-    def is_part(self, where: Node | Edge, joints: Joints) -> bool:
+    def is_part(self, where: Node | PlaneEdge, joints: Joints) -> bool:
         signs: dict[int, int] = {}
 
         def holds(number: int, own: int) -> bool:

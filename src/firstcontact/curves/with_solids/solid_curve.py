@@ -23,7 +23,7 @@ from firstcontact.body.ruled.rational_curve import is_point
 from firstcontact.body.solid.carriers import Plane
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import outcomes
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.exactly.answer import Parts, number
 from firstcontact.curves.exactly.branches import Corner, Joints, add_branches
 from firstcontact.curves.exactly.spots import Spot, doubles
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from firstcontact.body.solid.carriers import Quadric
     from firstcontact.curves.exactly.spots import Box
     from firstcontact.curves.fields import CurveFields
-    from firstcontact.exact.curves.plane_curves import Edge, Graph, Node
+    from firstcontact.exact.curves.plane_curves import Graph, Node, PlaneEdge
     from firstcontact.result_curve import ExactPair
 
 UNIT = fmpq(0), fmpq(1)
@@ -54,7 +54,7 @@ FLAT = 1e-9
 class _Sheet:
     """The piece as X(u, r) = first + r (second - first), W > 0, of one degree n in u; as `Joints` asks for places."""
 
-    def __init__(self, piece: Piece) -> None:
+    def __init__(self, piece: RulingPiece) -> None:
         p, q = piece.rulings.first, piece.rulings.second
         degrees = [max(c.degree() for c in side) for side in (p, q)]
         common = p[3].gcd(q[3])
@@ -132,7 +132,7 @@ class _Joints(Joints):
         self.sheet, self.is_stop = sheet, cache(lambda index: is_stop(graph.nodes[index]))
         self.first: dict[int, int] = {}
 
-    def corner(self, edge: Edge, at_end: int) -> Corner:
+    def corner(self, edge: PlaneEdge, at_end: int) -> Corner:
         known = super().corner(edge, at_end)
         index = known.key[0]
         tip = self.sheet.tip(self.graph.nodes[index])
@@ -154,7 +154,7 @@ class _SheetParts(Parts):
 
     v, finite = UNIT, True
 
-    def __init__(self, piece: Piece, clip: _Clip, tolerance: float, first: bool) -> None:
+    def __init__(self, piece: RulingPiece, clip: _Clip, tolerance: float, first: bool) -> None:
         super().__init__(tolerance)
         self.piece, self.clip, self.first = piece, clip, first
 
@@ -184,7 +184,7 @@ class _Clip:
     marks: polynomials whose zeros name an end besides.
     """
 
-    def __init__(self, piece: Piece, sheet: _Sheet, box: Box | None, names: str) -> None:
+    def __init__(self, piece: RulingPiece, sheet: _Sheet, box: Box | None, names: str) -> None:
         self.piece, self.sheet, self.box, self.names = piece, sheet, box, names
         self.marks: list[tuple[str, fmpz_mpoly, int]] = []
         self.conditions: list[tuple[str, fmpz_mpoly, int]] = []
@@ -198,7 +198,7 @@ class _Clip:
                 self.conditions.append((f"{axis}={low}", own * low.q - x[3] * low.p, sheet.degree))
                 self.conditions.append((f"{axis}={high}", x[3] * high.p - own * high.q, sheet.degree))
 
-    def keeps(self, where: Node | Edge) -> bool:
+    def keeps(self, where: Node | PlaneEdge) -> bool:
         """Of an edge or a node."""
         return all(sign_at(f, where) >= 0 for _, f, _ in self.conditions)
 
@@ -237,7 +237,7 @@ class SheetCurve:
 
     def __init__(
         self,
-        piece: Piece,
+        piece: RulingPiece,
         surfaces: Sequence[Plane | Quadric],
         drawn: int,
         tolerance: float,
@@ -256,7 +256,7 @@ class SheetCurve:
         self.drawn, self.cutting = self.forms[:drawn], self.forms[drawn:]
         self.found = _SheetParts(self.piece, self.clip, tolerance, first)
 
-    def is_part(self, where: Node | Edge, joints: Joints) -> bool:
+    def is_part(self, where: Node | PlaneEdge, joints: Joints) -> bool:
         """Of an open edge or a node."""
         raise NotImplementedError
 
@@ -311,7 +311,7 @@ class SheetCurve:
             if self.clip.keeps(node) and self.is_part(node, joints):
                 self.found.add_isolated(doubles(joints.spot(node).coordinates()), node)
 
-    def _add_cusps(self, joints: _Joints, kept: Sequence[Edge]) -> None:
+    def _add_cusps(self, joints: _Joints, kept: Sequence[PlaneEdge]) -> None:
         """Those at which both branches end for themselves."""
         at: dict[int, list[tuple[Any, int]]] = defaultdict(list)
         for edge in kept:
@@ -326,7 +326,7 @@ class SheetCurve:
 class ModelCurve(SheetCurve):
     """With the boundary of a solid of planes and quadrics; joining: as `knots` and `joins` of SheetCurve."""
 
-    def __init__(self, piece: Piece, model: CompositeQuadric, tolerance: float, box: Box | None, first: bool,
+    def __init__(self, piece: RulingPiece, model: CompositeQuadric, tolerance: float, box: Box | None, first: bool,
                  **joining: Unpack[Joining]) -> None:  # fmt: skip
         super().__init__(piece, model.surfaces, len(model.surfaces), tolerance, box, first, **joining)
         self.model = model
@@ -339,7 +339,7 @@ class ModelCurve(SheetCurve):
             raise UnsupportedPair(f"{who}: the piece lies in the surface, and is trimmed; give an untrimmed piece")
         self.found.two_dimensional = True
 
-    def is_part(self, where: Node | Edge, joints: Joints) -> bool:
+    def is_part(self, where: Node | PlaneEdge, joints: Joints) -> bool:
         signs = [sign_at(f, where) for f in self.forms]
         if len(outcomes(self.model.tree, signs)) < 2:
             return False
@@ -369,7 +369,7 @@ def _factors(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
     return [*parts.curves, *((in_u(g), k) for g, k in parts.in_u), *((in_v(g), k) for g, k in parts.in_v)]
 
 
-def sign_at(f: fmpz_mpoly, where: Node | Edge) -> int:
+def sign_at(f: fmpz_mpoly, where: Node | PlaneEdge) -> int:
     """Of a polynomial on an edge or at a node."""
     if not f.is_constant():
         return int(where.sign(f))

@@ -17,11 +17,11 @@ import numpy as np
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.reduce import as_model, is_small_and_convex
-from firstcontact.contact.signs.pieces import Piece
+from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.curves.certified.chains import Chain, chains
 from firstcontact.curves.certified.cover import Cover
-from firstcontact.curves.certified.joined import ONE_PLACE, Found, Near, Stop, Strand
+from firstcontact.curves.certified.joined import ONE_PLACE, FoundChains, JoinedStrand, Near, Stop
 from firstcontact.curves.exactly.spots import Box, box_of, corners
 from firstcontact.curves.placed import searched
 from firstcontact.curves.with_solids.facet_curve import FacetCurve, Facets, facets
@@ -64,7 +64,7 @@ def _fields(p: Any, q: Any, tolerance: float, limits: Box | None) -> CurveFields
     ruled, solid = (p, q) if hasattr(p, "pieces") else (q, p)
     sheets = _Sheets(cut_to(ruled, solid, (0.0, 1.0)), _boundary(solid), tolerance, limits, ruled is p)
     if len(ruled.pieces) == 1 and isinstance(sheets.solid, CompositeQuadric):
-        return sheets.of_model(Piece.of(sheets.ruled.pieces[0])).run()
+        return sheets.of_model(RulingPiece.of(sheets.ruled.pieces[0])).run()
     return _joined(sheets)
 
 
@@ -93,14 +93,14 @@ class _Sheets:
     ) -> None:
         self.ruled, self.solid, self.tolerance, self.box, self.first = ruled, solid, tolerance, box, first
 
-    def of_model(self, piece: Piece, **joining: Unpack[Joining]) -> SheetCurve:
+    def of_model(self, piece: RulingPiece, **joining: Unpack[Joining]) -> SheetCurve:
         return ModelCurve(piece, self.solid, self.tolerance, self.box, self.first, **joining)
 
     def of_chain(self, chain: Chain) -> Iterator[tuple[int, SheetCurve]]:
         """With the number of their piece."""
         asked = 0
         for k, surface in enumerate(chain.pieces):
-            piece = Piece.of(surface)
+            piece = RulingPiece.of(surface)
             joining: Joining = {"knots": chain.knots(k), "joins": True}
             if isinstance(self.solid, CompositeQuadric):
                 yield k, self.of_model(piece, **joining)
@@ -114,7 +114,7 @@ class _Sheets:
 
 def _joined(sheets: _Sheets) -> CurveFields:
     """The fields of IntersectionCurve."""
-    found, everything = Found(), []
+    found, everything = FoundChains(), []
     for chain in chains(sheets.ruled):
         strands, own = [], []
         areas: set[float] = set()
@@ -133,7 +133,7 @@ def _joined(sheets: _Sheets) -> CurveFields:
     return {**found.fields(), "method": "exact"}
 
 
-def _strand(chain: Chain, k: int, curve: SheetCurve, branch: Branch, first: bool) -> Strand:
+def _strand(chain: Chain, k: int, curve: SheetCurve, branch: Branch, first: bool) -> JoinedStrand:
     inner = {f"{'u' if first else 'v'}={x}" for x in chain.knots(k)}
     stops = []
     for end in branch.ends:
@@ -145,17 +145,17 @@ def _strand(chain: Chain, k: int, curve: SheetCurve, branch: Branch, first: bool
         place = np.array([float(chain.position(k, np.array([u]))[0]), r] if tip is None else [-1.0 - tip, r])
         on = tuple(x for x in end.on if x not in inner)
         stops.append(Stop(replace(end, kind="boundary", on=on), place, at_knot=branch.multiplicity % 2 == 1))
-    return Strand(branch.points, branch.parameters, tuple(stops), branch.multiplicity)
+    return JoinedStrand(branch.points, branch.parameters, tuple(stops), branch.multiplicity)
 
 
-def _without_points(strands: list[Strand], near: Near) -> list[Strand]:
+def _without_points(strands: list[JoinedStrand], near: Near) -> list[JoinedStrand]:
     """Without strands that are one place to doubles, as beside a vertex, where others go on from there."""
     points = {id(x) for x in strands if x.stops and near(*x.stops) and _size(x) <= ONE_PLACE}
     others = [stop for x in strands if id(x) not in points for stop in x.stops]
     return [x for x in strands if id(x) not in points or not any(near(x.stops[0], stop) for stop in others)]
 
 
-def _size(strand: Strand) -> float:
+def _size(strand: JoinedStrand) -> float:
     """Greatest extent, in parts of the coordinates' size."""
     return float(np.ptp(strand.points, axis=0).max() / max(1.0, np.abs(strand.points).max()))
 
@@ -163,7 +163,7 @@ def _size(strand: Strand) -> float:
 # -- straight strands: on knots and edges of the polyhedron, found from both sides -----------------------------
 
 
-def _is_straight(strand: Strand) -> bool:
+def _is_straight(strand: JoinedStrand) -> bool:
     if not strand.stops:
         return False
     start, along = strand.points[0], strand.points[-1] - strand.points[0]
@@ -174,19 +174,19 @@ def _is_straight(strand: Strand) -> bool:
     return bool(off.max() <= ONE_PLACE * max(1.0, np.abs(strand.points).max()))
 
 
-def _cut_straight(strands: list[Strand]) -> list[Strand]:
+def _cut_straight(strands: list[JoinedStrand]) -> list[JoinedStrand]:
     """Straight strands in parts, where strands of the other side end on them."""
     stops = [stop for strand in strands for stop in strand.stops]
     if not stops:
         return strands
     points = np.array([stop.end.point for stop in stops])
-    found: list[Strand] = []
+    found: list[JoinedStrand] = []
     for strand in strands:
         found += _parts(strand, stops, points) if _is_straight(strand) else [strand]
     return found
 
 
-def _parts(strand: Strand, stops: list[Stop], points: np.ndarray) -> list[Strand]:
+def _parts(strand: JoinedStrand, stops: list[Stop], points: np.ndarray) -> list[JoinedStrand]:
     start, along = strand.points[0], strand.points[-1] - strand.points[0]
     length = float(np.linalg.norm(along))
     along = along / length
@@ -207,16 +207,16 @@ def _parts(strand: Strand, stops: list[Stop], points: np.ndarray) -> list[Strand
     return found if cuts else [strand]
 
 
-def _has_place(strand: Strand, stop: Stop) -> bool:
+def _has_place(strand: JoinedStrand, stop: Stop) -> bool:
     """Whether a place with a point of the strand may be on the strand: the surface may pass there twice."""
     a, b, x = (float(y.place[0]) for y in (*strand.stops, stop) if y.place is not None)
     return min(a, b, x) < 0 or min(a, b) - ONE_PLACE <= x <= max(a, b) + ONE_PLACE
 
 
-def _told_once(strands: list[Strand], near: Near) -> list[Strand]:
+def _told_once(strands: list[JoinedStrand], near: Near) -> list[JoinedStrand]:
     """Without the straight strands that are there already."""
-    found: list[Strand] = []
-    straight: list[Strand] = []
+    found: list[JoinedStrand] = []
+    straight: list[JoinedStrand] = []
     for strand in strands:
         if _is_straight(strand):
             if any(near.same_ends(strand, other) for other in straight):
@@ -234,7 +234,7 @@ def _is_at(stop: Stop, areas: set[float], count: int) -> bool:
     return any(abs(stop.place[0] % count - x) <= ONE_PLACE for x in areas)
 
 
-def _borders(strand: Strand, areas: set[float], chain: Chain) -> bool:
+def _borders(strand: JoinedStrand, areas: set[float], chain: Chain) -> bool:
     """Whether it lies on a ruling at which such a piece ends: its points are on that piece."""
     count = len(chain.pieces)
     if not (_is_straight(strand) and all(_is_at(stop, areas, count) for stop in strand.stops)):
@@ -243,7 +243,7 @@ def _borders(strand: Strand, areas: set[float], chain: Chain) -> bool:
     return bool(abs(strand.stops[0].place[0] - strand.stops[1].place[0]) <= ONE_PLACE)
 
 
-def _beside_areas(strand: Strand, areas: set[float], count: int) -> Strand:
+def _beside_areas(strand: JoinedStrand, areas: set[float], count: int) -> JoinedStrand:
     """The strand, which may end where such a piece begins."""
     stops = tuple(replace(stop, at_knot=stop.at_knot and not _is_at(stop, areas, count)) for stop in strand.stops)
     return replace(strand, stops=stops)

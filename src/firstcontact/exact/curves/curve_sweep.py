@@ -24,10 +24,10 @@ from flint import arb, fmpq, fmpz_mpoly, fmpz_poly
 from firstcontact.exact.curves.fibres import (
     FIRST,
     LAST,
-    Cell,
     CurveFibre,
+    FibreZero,
     PrecisionExhausted,
-    Zero,
+    ZeroCell,
     simple_between,
 )
 from firstcontact.exact.fields.roots import AlgebraicRoot, isolate, reversed_polynomial, root_free
@@ -60,14 +60,14 @@ Slot = tuple[Any, int | None]
 _X = fmpz_poly([0, 1])
 
 
-class Point:
+class GraphPoint:
     """A node while the graph is built: over a fibre, on a line or inside a cell; the zeros of the curves there."""
 
     __slots__ = ("cell", "fibre", "index", "left", "right", "side", "zeros")
 
     def __init__(self, fibre: Fibre, cell: int | None, side: int | None) -> None:
         self.fibre, self.cell, self.side = fibre, cell, side
-        self.zeros: dict[int, Zero] = {}
+        self.zeros: dict[int, FibreZero] = {}
         self.index, self.left, self.right = -1, 0, 0
 
     def curves(self) -> list[int]:
@@ -87,7 +87,7 @@ class Point:
 class Column:
     """A chart of u, [lo, hi] of u or of 1/u: its curves, critical values, fibres and the slabs between them."""
 
-    def __init__(self, sweep: Sweep, reversed_u: bool, lo: fmpq, hi: fmpq) -> None:
+    def __init__(self, sweep: PlaneSweep, reversed_u: bool, lo: fmpq, hi: fmpq) -> None:
         self.reversed, self.lo, self.hi, self.cells = reversed_u, lo, hi, sweep.cells
         self.rows: list[list[Rows]] = []  # [curve][cell]
         self.affine: list[Rows] = []
@@ -121,7 +121,7 @@ class Column:
         return low, self.alphas[low].compare(x) == 0
 
 
-def _branches(a: Rows, m: fmpq, cell: Cell) -> tuple[fmpz_poly, list[tuple[fmpq, fmpq]]]:
+def _branches(a: Rows, m: fmpq, cell: ZeroCell) -> tuple[fmpz_poly, list[tuple[fmpq, fmpq]]]:
     f = over(a, m)
     return f, isolate(f, cell.lo, cell.hi) if f.degree() > 0 else []
 
@@ -129,13 +129,13 @@ def _branches(a: Rows, m: fmpq, cell: Cell) -> tuple[fmpz_poly, list[tuple[fmpq,
 class Fibre:
     """All that happens over one critical value."""
 
-    def __init__(self, sweep: Sweep, column: Column, alpha: AlgebraicRoot, events: Events) -> None:
+    def __init__(self, sweep: PlaneSweep, column: Column, alpha: AlgebraicRoot, events: Events) -> None:
         self.column, self.alpha, self.events = column, alpha, events
         self.lines = [e[1] for e in events if e[0] == "line"]
         self.complete = bool(self.lines) or ("all",) in events
-        self.sides: list[Point | None] = [None, None]
-        self.inside: list[list[Point]] = [[] for _ in column.cells]
-        self.of_zero: dict[Zero, Point] = {}
+        self.sides: list[GraphPoint | None] = [None, None]
+        self.inside: list[list[GraphPoint]] = [[] for _ in column.cells]
+        self.of_zero: dict[FibreZero, GraphPoint] = {}
         self.curves: dict[int, CurveFibre] = {}
         if self.lines and sweep.clips:
             self._with_clips(sweep)
@@ -162,21 +162,21 @@ class Fibre:
             self.mark(0)
             self.mark(1)
 
-    def mark(self, side: int) -> Point:
+    def mark(self, side: int) -> GraphPoint:
         """The node on the line, made on first use."""
         point = self.sides[side]
         if point is None:
-            point = self.sides[side] = Point(self, None, side)
+            point = self.sides[side] = GraphPoint(self, None, side)
         return point
 
-    def _node(self, i: int, zero: Zero) -> None:
+    def _node(self, i: int, zero: FibreZero) -> None:
         if zero in self.of_zero:
             return
         if zero.side is not None:
             point = self.mark(zero.side)
         else:
             assert zero.cell is not None
-            point = Point(self, zero.cell, None)
+            point = GraphPoint(self, zero.cell, None)
             self.inside[zero.cell].append(point)
         point.zeros[i] = zero
         self.of_zero[zero] = point
@@ -212,7 +212,7 @@ class Fibre:
                 if total.contains(0):
                     self._node(i, zero)
 
-    def _with_clips(self, sweep: Sweep) -> None:
+    def _with_clips(self, sweep: PlaneSweep) -> None:
         """On a line u = const the clip polynomials are curves like the others: add them with their events."""
         column, n, minimal = self.column, self.column.number, self.alpha.polynomial
         if len(column.affine) == n:
@@ -240,7 +240,7 @@ class Fibre:
                 if order:
                     self.events[event] = order
 
-    def above(self, cell: int) -> list[Point]:
+    def above(self, cell: int) -> list[GraphPoint]:
         """The nodes in the open cell, ascending."""
         points, bits = self.inside[cell], FIRST
         while bits <= LAST:
@@ -250,7 +250,7 @@ class Fibre:
             bits *= 2
         raise PrecisionExhausted(f"nodes over {self.alpha}")
 
-    def attach(self, column: Column, slab: int, cell: int, i: int) -> list[Point | int]:
+    def attach(self, column: Column, slab: int, cell: int, i: int) -> list[GraphPoint | int]:
         """Where the branches of curve i in the cell, ascending, end over this fibre, an end of the slab.
 
         `column` need not be that of the fibre: they share the fibres u = 1 and u = -1.
@@ -276,7 +276,7 @@ class Fibre:
             counts = self._separated(column, slab, cell, i, slots, unknown)
         if min(counts) < 0 or (unknown and sum(counts) != rest) or (not unknown and rest):
             raise AssertionError(f"branches do not add up over {self.alpha}")
-        found: list[Point | int] = []
+        found: list[GraphPoint | int] = []
         for k, (target, count) in enumerate(slots):
             taken = counts[unknown.index(k)] if count is None else count
             found += range(taken) if target == -1 else [target] * taken
@@ -357,7 +357,7 @@ def _compared(x: tuple[AlgebraicRoot, Events], y: tuple[AlgebraicRoot, Events]) 
     return x[0].compare(y[0])
 
 
-class Sweep:
+class PlaneSweep:
     """The input: curves without factors in u alone, lines, clip polynomials, charts; and the critical values of u."""
 
     def __init__(
@@ -365,7 +365,7 @@ class Sweep:
     ) -> None:
         self.u, self.v = u, v
         whole = (fmpq(-1), fmpq(1))
-        self.cells = [Cell(False, *v)] if v else [Cell(False, *whole), Cell(True, *whole)]
+        self.cells = [ZeroCell(False, *v)] if v else [ZeroCell(False, *whole), ZeroCell(True, *whole)]
         self.curves: list[fmpz_mpoly] = []
         self.vertical: list[fmpz_poly] = []
         self.on_side: dict[int, fmpz_poly] = {}
@@ -482,7 +482,7 @@ class Sweep:
     def extra_rows(self, e: int, reversed_u: bool) -> Rows:
         return chart(self._extra_rows[e], reversed_u, False, int(self.extras[e].degrees()[0]))
 
-    def through(self, point: Point) -> tuple[int, ...]:
+    def through(self, point: GraphPoint) -> tuple[int, ...]:
         """The curves and lines through a point: first the swept curves, then the lines u = const, then the border."""
         found = [i for i in point.curves() if i < len(self.curves)]
         found += [len(self.curves) + line for line in point.fibre.lines]

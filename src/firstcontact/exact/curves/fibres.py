@@ -29,7 +29,7 @@ class PrecisionExhausted(ArithmeticError):
     """Two different numbers agree to LAST bits; nothing is returned rather than something unproved."""
 
 
-class Cell:
+class ZeroCell:
     """A closed interval of v, or of 1/v where `reversed`."""
 
     __slots__ = ("hi", "lo", "reversed")
@@ -41,7 +41,7 @@ class Cell:
         return self.hi if side else self.lo
 
 
-class Zero:
+class FibreZero:
     """A real zero over alpha: `multiplicity`, and where it lies: on the line `side` (0, 1) or inside cells[`cell`].
 
     cell and side are None for a zero outside of the cells.
@@ -105,20 +105,20 @@ class CurveFibre:
     """
 
     def __init__(
-        self, rows: Rows, alpha: AlgebraicRoot, order: int, cells: list[Cell], sides: tuple[bool, bool]
+        self, rows: Rows, alpha: AlgebraicRoot, order: int, cells: list[ZeroCell], sides: tuple[bool, bool]
     ) -> None:
         self.rows, self.alpha, self.order, self.cells = rows, alpha, order, cells
         self._values: tuple[int, list[arb]] | None = None
         self.affine = truncated(rows, alpha)
         self.at_infinity = len(rows) - len(self.affine)
-        self.zeros: list[Zero] = []
+        self.zeros: list[FibreZero] = []
         if alpha.rational is not None:
             self._rational(alpha.rational)
         else:
             self._parts = self._decomposed()
             self._place(sides)
 
-    def inside(self, cell: int) -> list[Zero]:
+    def inside(self, cell: int) -> list[FibreZero]:
         """The zeros in the open cell, ascending in its coordinate."""
         found = [z for z in self.zeros if z.cell == cell]
         if self.alpha.rational is None and self.cells[cell].reversed:
@@ -128,7 +128,7 @@ class CurveFibre:
             return below[::-1] + [z for z in found if z.index < 0] + above[::-1]
         return found
 
-    def on_side(self, side: int) -> Zero | None:
+    def on_side(self, side: int) -> FibreZero | None:
         return next((z for z in self.zeros if z.side == side), None)
 
     def _rational(self, alpha: fmpq) -> None:
@@ -136,7 +136,7 @@ class CurveFibre:
         for k, cell in enumerate(self.cells):
             g = reversed_polynomial(f, len(self.rows) - 1) if cell.reversed else f
             for root in real_roots(g, cell.lo, cell.hi) if g.degree() > 0 else []:
-                zero = Zero(self, root.multiplicity)
+                zero = FibreZero(self, root.multiplicity)
                 zero.value = root
                 if root.rational == cell.lo or root.rational == cell.hi:
                     if k:
@@ -212,7 +212,7 @@ class CurveFibre:
         else:
             raise PrecisionExhausted(f"zeros over {self.alpha} beside {lines}")
         for k, z in enumerate(values):
-            zero = Zero(self, self._multiplicities[k], k)
+            zero = FibreZero(self, self._multiplicities[k], k)
             for side in (0, 1):
                 if on[side] == [k]:
                     zero.side, zero.value = side, AlgebraicRoot.of(lines[side])
@@ -223,11 +223,11 @@ class CurveFibre:
                     zero.cell = 1
             self.zeros.append(zero)
         if self.at_infinity and len(self.cells) > 1:
-            zero = Zero(self, self.at_infinity)
+            zero = FibreZero(self, self.at_infinity)
             zero.cell, zero.value = 1, AlgebraicRoot.of(fmpq(0))
             self.zeros.append(zero)
 
-    def shared(self, other: Rows, order: int) -> list[Zero]:
+    def shared(self, other: Rows, order: int) -> list[FibreZero]:
         """The zeros at which another polynomial vanishes as well; order: that of alpha as a root of Res_v(f, it)."""
         if order == 0:
             return []
@@ -250,7 +250,7 @@ class CurveFibre:
             bits *= 2
         raise PrecisionExhausted(f"zeros common to two curves over {self.alpha}")
 
-    def _vanishes(self, zero: Zero, other: Rows) -> bool:
+    def _vanishes(self, zero: FibreZero, other: Rows) -> bool:
         """At a rational alpha."""
         assert zero.value is not None and self.alpha.rational is not None
         if zero.side is not None:

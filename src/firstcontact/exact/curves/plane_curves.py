@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import arb, fmpq, fmpz_mpoly, fmpz_poly
 
-from firstcontact.exact.curves.curve_sweep import Column, Point, Range, Sweep, bounds
+from firstcontact.exact.curves.curve_sweep import Column, GraphPoint, PlaneSweep, Range, bounds
 from firstcontact.exact.curves.fibres import FIRST, LAST, PrecisionExhausted, simple_between
 from firstcontact.exact.fields.roots import AlgebraicRoot, isolate, reversed_polynomial
 from firstcontact.exact.numbers import precision, sign
@@ -53,7 +53,7 @@ class Node:
     branches at a singular point), "regular" (nothing special: a cut), "node" (all others: crossings, contacts).
     """
 
-    def __init__(self, point: Point, index: int, border: bool, curves: tuple[int, ...]) -> None:
+    def __init__(self, point: GraphPoint, index: int, border: bool, curves: tuple[int, ...]) -> None:
         self._point, self.index, self._border, self.curves = point, index, border, curves
         self.edges: tuple[int, ...] = ()
         self._kind: str | None = None
@@ -168,13 +168,13 @@ class Node:
         return f"Node({self.index}, {place}, {self.kind}, edges {list(self.edges)})"
 
 
-class Edge:
+class PlaneEdge:
     """An open arc of one curve, monotone in x of its chart from node `start` to node `end`, and in one cell of y.
 
     curve: index in graph.curves.  vertical: a piece of a line u = const instead, y ascending from start to end.
     """
 
-    def __init__(self, index: int, curve: int, column: Column, cell: int, start: Point, end: Point) -> None:
+    def __init__(self, index: int, curve: int, column: Column, cell: int, start: GraphPoint, end: GraphPoint) -> None:
         self.index, self.curve, self._column, self._cell = index, curve, column, cell
         self._start, self._end = start, end
 
@@ -209,12 +209,12 @@ class Edge:
         return f"{type(self).__name__}({self.index}, curve {self.curve}, {ends}, chart {self.chart})"
 
 
-class Branch(Edge):
+class Branch(PlaneEdge):
     """An edge that is a graph over an open interval of x: pieces over slabs, each the k-th root there."""
 
     def __init__(
         self,
-        *place: *tuple[int, int, Column, int, Point, Point],
+        *place: *tuple[int, int, Column, int, GraphPoint, GraphPoint],
         pieces: list[tuple[int, int]],
         passed: list[int],
     ) -> None:
@@ -290,10 +290,10 @@ class Branch(Edge):
         return 1 / x if self.chart[0] else x, v
 
 
-class Level(Edge):
+class Level(PlaneEdge):
     """A piece of the border line v = const of the cells that belongs to the curve."""
 
-    def __init__(self, *place: *tuple[int, int, Column, int, Point, Point], slab: int, y: fmpq) -> None:
+    def __init__(self, *place: *tuple[int, int, Column, int, GraphPoint, GraphPoint], slab: int, y: fmpq) -> None:
         super().__init__(*place)
         self._slab, self._y = slab, y
 
@@ -308,7 +308,7 @@ class Level(Edge):
         return x, AlgebraicRoot.of(self._y)
 
 
-class Vertical(Edge):
+class Vertical(PlaneEdge):
     """A piece of a line u = const."""
 
     vertical = True
@@ -347,7 +347,7 @@ class Graph(NamedTuple):
 
     curves: tuple[fmpz_mpoly, ...]
     nodes: tuple[Node, ...]
-    edges: tuple[Edge, ...]
+    edges: tuple[PlaneEdge, ...]
     components: tuple[Component, ...]
 
 
@@ -365,8 +365,8 @@ def topology(
     for bounds_ in (u, v):
         if bounds_ is not None and not bounds_[0] < bounds_[1]:
             raise ValueError(f"the range {bounds_} is empty or a point")
-    sweep = Sweep([f] if isinstance(f, fmpz_mpoly) else list(f), u, v, extras)
-    edges: list[Edge] = []
+    sweep = PlaneSweep([f] if isinstance(f, fmpz_mpoly) else list(f), u, v, extras)
+    edges: list[PlaneEdge] = []
     for column in sweep.columns:
         for cell in range(len(column.cells)):
             for i in range(column.number):
@@ -378,7 +378,7 @@ def topology(
     return _assembled(sweep, edges)
 
 
-def _add_branches(edges: list[Edge], column: Column, cell: int, i: int) -> None:
+def _add_branches(edges: list[PlaneEdge], column: Column, cell: int, i: int) -> None:
     """Chains of branches of one curve through the slabs, from node to node."""
     last = len(column.samples) - 1
     starts = [column.fibres[s].attach(column, s, cell, i) for s in range(last + 1)]
@@ -402,7 +402,7 @@ def _add_branches(edges: list[Edge], column: Column, cell: int, i: int) -> None:
             raise AssertionError(f"branches change over {column.alphas[s + 1]}")
 
 
-def _add_levels(edges: list[Edge], sweep: Sweep, column: Column, side: int) -> None:
+def _add_levels(edges: list[PlaneEdge], sweep: PlaneSweep, column: Column, side: int) -> None:
     index = len(sweep.curves) + len(sweep.vertical) + list(sweep.on_side).index(side)
     start, first = column.fibres[0].mark(side), 0
     for t in range(1, len(column.fibres)):
@@ -414,7 +414,7 @@ def _add_levels(edges: list[Edge], sweep: Sweep, column: Column, side: int) -> N
             start, first = end, t
 
 
-def _add_verticals(edges: list[Edge], sweep: Sweep, fibre: Fibre) -> None:
+def _add_verticals(edges: list[PlaneEdge], sweep: PlaneSweep, fibre: Fibre) -> None:
     for line in fibre.lines[:1]:
         index = len(sweep.curves) + line
         for cell in range(len(fibre.column.cells)):
@@ -423,7 +423,7 @@ def _add_verticals(edges: list[Edge], sweep: Sweep, fibre: Fibre) -> None:
                 edges.append(Vertical(len(edges), index, fibre.column, cell, start, end))
 
 
-def _assembled(sweep: Sweep, edges: list[Edge]) -> Graph:
+def _assembled(sweep: PlaneSweep, edges: list[PlaneEdge]) -> Graph:
     """Number the nodes, hang the edges on them and collect the components."""
     nodes: list[Node] = []
     for fibre in sweep.fibres():
@@ -445,7 +445,7 @@ def _assembled(sweep: Sweep, edges: list[Edge]) -> Graph:
     return Graph(tuple(curves), tuple(nodes), tuple(edges), tuple(_components(nodes, edges)))
 
 
-def _components(nodes: list[Node], edges: list[Edge]) -> list[Component]:
+def _components(nodes: list[Node], edges: list[PlaneEdge]) -> list[Component]:
     seen = [False] * len(nodes)
     found = []
     for first in range(len(nodes)):

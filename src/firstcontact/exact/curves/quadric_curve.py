@@ -53,7 +53,7 @@ class Branch(NamedTuple):
     signs: tuple[int, ...]
 
 
-class End(NamedTuple):
+class QuadricEnd(NamedTuple):
     """An end of a branch, towards larger u or not; point: (x, y, z) near it."""
 
     branch: Branch
@@ -61,7 +61,7 @@ class End(NamedTuple):
     point: list[arb]
 
 
-class Sweep:
+class BranchSweep:
     """All branches with lo <= u <= hi; cells[k]: those between event k - 1 and event k (none before the first)."""
 
     def __init__(self, first: Rows, second: Rows, others: Sequence[Rows], frame: Rows, span: tuple[fmpq, fmpq]) -> None:
@@ -116,7 +116,7 @@ class Sweep:
 
     # -- across events --------------------------------------------------------------------------------------
 
-    def meeting(self, event: int) -> list[list[End]]:
+    def meeting(self, event: int) -> list[list[QuadricEnd]]:
         """How branches go on at an event: groups of ends that meet, each with where it is close to the event.
 
         Ends meet when they come together as the planes approach the event; others keep their distance.
@@ -127,7 +127,7 @@ class Sweep:
             with precision(self._digits(event, NEARER * scale)):
                 groups = _together(far, near)
             if groups is not None:
-                return [[End(*ends[k], near[k]) for k in group] for group in groups]
+                return [[QuadricEnd(*ends[k], near[k]) for k in group] for group in groups]
         raise Undecidable
 
     def _beside(self, event: int, share: int) -> tuple[list[tuple[Branch, bool]], list[list[arb]]]:
@@ -159,13 +159,13 @@ class Sweep:
 
 def swept(
     first: Rows, second: Rows, others: Sequence[Rows], box: tuple[Sequence[fmpq], Sequence[fmpq]]
-) -> Sweep:
+) -> BranchSweep:
     """The sweep of the common curve of two forms over a box, in the first frame that is in general position."""
     for tilt in (fmpq(0), fmpq(1, 8)):
         for quaternion in _QUATERNIONS:
             frame, span = _frame(box, quaternion, tilt)
             try:
-                return Sweep(first, second, others, frame, span)
+                return BranchSweep(first, second, others, frame, span)
             except Degenerate:
                 continue
     raise Degenerate

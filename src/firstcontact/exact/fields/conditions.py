@@ -13,7 +13,7 @@ from firstcontact.exact.numbers import dyadic, precision
 
 
 @dataclass(frozen=True, slots=True)
-class Conditions:
+class ParameterConditions:
     """Polynomials that must vanish, be zero or more, and be more than zero, all at one parameter."""
 
     zero: tuple[fmpz_poly, ...]

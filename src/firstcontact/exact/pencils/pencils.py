@@ -281,7 +281,7 @@ def remainder(f: Sequence[D], g: Sequence[D]) -> list[D]:
 # ------------------------------------------------------------------------------------ what happens at a root
 
 
-class Meeting(Enum):
+class PencilMeeting(Enum):
     """How two quadrics meet at a singular member of their pencil."""
 
     POINT = "isolated contact in one point"
@@ -303,7 +303,8 @@ class Meeting(Enum):
 
 
 _CONTACTS = frozenset({
-    Meeting.POINT, Meeting.TWO_POINTS, Meeting.LINE, Meeting.LINE_PAIR, Meeting.CONIC, Meeting.SURFACE,
+    PencilMeeting.POINT, PencilMeeting.TWO_POINTS, PencilMeeting.LINE, PencilMeeting.LINE_PAIR,
+    PencilMeeting.CONIC, PencilMeeting.SURFACE,
 })  # fmt: skip
 
 
@@ -318,7 +319,7 @@ class Tangency:
                  directions; 0: the member is A or B itself, the point one of its singular points (an apex)
     """
 
-    meeting: Meeting
+    meeting: PencilMeeting
     alpha: Any
     beta: Any
     multiplicity: int
@@ -375,7 +376,7 @@ def tangency(a: Rows, b: Rows, alpha: Number, beta: Number, multiplicity: int) -
         return _on_line(make, g, other, null)
     if len(null) == 3:
         return _on_plane(make, other, null)
-    return make(Meeting.SURFACE)
+    return make(PencilMeeting.SURFACE)
 
 
 def singular_point(g: Rows) -> Vector | None:
@@ -400,7 +401,7 @@ class _Maker:
     rank: int
     more: dict[str, Any] = field(default_factory=dict)
 
-    def __call__(self, meeting: Meeting, **more: Any) -> Tangency:
+    def __call__(self, meeting: PencilMeeting, **more: Any) -> Tangency:
         return Tangency(meeting, self.alpha, self.beta, self.multiplicity, self.rank, **more)
 
 
@@ -413,10 +414,10 @@ def _at_point(make: _Maker, g: Rows, other: Rows, x: Vector) -> Tangency:
     gradient = times(other, x)
     k = next((i for i, y in enumerate(gradient) if not is_zero(y)), None)
     if k is None:
-        return make(Meeting.SINGULAR, points=(x,))
+        return make(PencilMeeting.SINGULAR, points=(x,))
     rows = [*g, gradient]
     found = filtered_sign(lambda m: _second_coefficient(m[:4], m[4], k), rows)
-    meeting = {1: Meeting.POINT, -1: Meeting.CROSSING, 0: Meeting.CUSP}[found]
+    meeting = {1: PencilMeeting.POINT, -1: PencilMeeting.CROSSING, 0: PencilMeeting.CUSP}[found]
     return make(meeting, points=(x,))
 
 
@@ -437,12 +438,12 @@ def _on_line(make: _Maker, g: Rows, other: Rows, null: list[Vector]) -> Tangency
     """Rank 2: planes through the singular line, real or imaginary."""
     form = congruent(tuple(zip(*null, strict=True)), other)
     if all(is_zero(x) for row in form for x in row):
-        return make(Meeting.LINE, lines=((null[0], null[1]),))
+        return make(PencilMeeting.LINE, lines=((null[0], null[1]),))
     positive, negative, _ = inertia(g)
     if positive and negative:
-        return make(Meeting.PLANES, lines=((null[0], null[1]),))
+        return make(PencilMeeting.PLANES, lines=((null[0], null[1]),))
     points = tuple(combination(null, y) for y in binary_zeros(form))
-    return make((Meeting.IMAGINARY, Meeting.POINT, Meeting.TWO_POINTS)[len(points)], points=points)
+    return make((PencilMeeting.IMAGINARY, PencilMeeting.POINT, PencilMeeting.TWO_POINTS)[len(points)], points=points)
 
 
 def _on_plane(make: _Maker, other: Rows, null: list[Vector]) -> Tangency:
@@ -451,21 +452,21 @@ def _on_plane(make: _Maker, other: Rows, null: list[Vector]) -> Tangency:
     positive, negative, zero = inertia(form)
     if zero == 0:
         if positive and negative:
-            return make(Meeting.CONIC, plane=tuple(null), form=form)
-        return make(Meeting.IMAGINARY)
+            return make(PencilMeeting.CONIC, plane=tuple(null), form=form)
+        return make(PencilMeeting.IMAGINARY)
     kernel = [combination(null, y) for y in null_space(form)]
     if zero == 1 and positive != negative:
-        return make(Meeting.POINT, points=tuple(kernel))
+        return make(PencilMeeting.POINT, points=tuple(kernel))
     if zero == 2:
-        return make(Meeting.LINE, lines=((kernel[0], kernel[1]),))
+        return make(PencilMeeting.LINE, lines=((kernel[0], kernel[1]),))
     if zero == 3:
-        return make(Meeting.SINGULAR, plane=tuple(null))
+        return make(PencilMeeting.SINGULAR, plane=tuple(null))
     # two lines through the kernel: the zeros of the form on a line of the plane that misses it
     k = next(i for i, y in enumerate(null_space(form)[0]) if not is_zero(y))
     rest = [i for i in range(3) if i != k]
     small = [[form[i][j] for j in rest] for i in rest]
     basis = [null[i] for i in rest]
-    return make(Meeting.LINE_PAIR, lines=tuple((kernel[0], combination(basis, y)) for y in binary_zeros(small)))
+    return make(PencilMeeting.LINE_PAIR, lines=tuple((kernel[0], combination(basis, y)) for y in binary_zeros(small)))
 
 
 def combination(basis: Sequence[Vector], y: Sequence[Number]) -> Vector:

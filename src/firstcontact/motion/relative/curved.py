@@ -19,7 +19,7 @@ from firstcontact.motion.placement import Placement, Turn, Twist, advanced
 from firstcontact.motion.product import Product, at
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative, step_pieces
-from firstcontact.motion.relative.polynomial import Step as PolynomialStep
+from firstcontact.motion.relative.polynomial import PolynomialStep as PolynomialStep
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
@@ -27,7 +27,7 @@ from firstcontact.motion.translation import Translation
 if TYPE_CHECKING:
     from firstcontact.exact.ring import N
     from firstcontact.motion.kinds import AnyMotion, Single
-    from firstcontact.motion.relative.pieces import Piece
+    from firstcontact.motion.relative.pieces import MotionPiece
 
 # A pose as power series in (time - t): three rows of four.
 Series = list[list[Any]]
@@ -153,7 +153,7 @@ class CurvedPiece:
         """Both bodies' poses in the world at the start."""
         return self.leg_a.place(self.start), self.leg_b.place(self.start)
 
-    def continues(self, before: Piece | CurvedPiece | None) -> bool:
+    def continues(self, before: MotionPiece | CurvedPiece | None) -> bool:
         """Whether both bodies certainly start where they stand at the end of the piece before."""
         if not isinstance(before, CurvedPiece):
             return False

@@ -24,7 +24,7 @@ Times = tuple[fmpq, fmpq]
 
 
 @dataclass(frozen=True, slots=True)
-class Heights:
+class KeptHeights:
     """Of the points x of a body at the local time t of a piece: row . x + offset + rate t."""
 
     row: Vector
@@ -32,7 +32,7 @@ class Heights:
     rate: arb
 
 
-def heights_in(piece: CurvedPiece) -> tuple[Heights, Heights] | None:
+def heights_in(piece: CurvedPiece) -> tuple[KeptHeights, KeptHeights] | None:
     """Of both bodies, at the present precision; None where no direction is kept."""
     legs = piece.leg_a, piece.leg_b
     normal = next((axis for leg in legs for axis in turning_axes(leg.motion)), None)
@@ -42,7 +42,7 @@ def heights_in(piece: CurvedPiece) -> tuple[Heights, Heights] | None:
     return None if a is None or b is None else (a, b)
 
 
-def _heights_of(leg: Leg, normal: Vector, start: fmpq) -> Heights | None:
+def _heights_of(leg: Leg, normal: Vector, start: fmpq) -> KeptHeights | None:
     row, motion = normal, leg.motion
     if isinstance(motion, Translation):
         speed = arb(dot(row, motion.vector))
@@ -61,7 +61,7 @@ def _heights_of(leg: Leg, normal: Vector, start: fmpq) -> Heights | None:
         else:
             offset += dot(row, [m[3] for m in factor])
             row = tuple(dot(row, [m[k] for m in factor]) for k in range(3))
-    return Heights(row, offset, speed / leg.unit)
+    return KeptHeights(row, offset, speed / leg.unit)
 
 
 def _rise(row: Vector, axis: Vector, advance: fmpq) -> arb:
@@ -70,7 +70,7 @@ def _rise(row: Vector, axis: Vector, advance: fmpq) -> arb:
 
 
 def times_level(
-    heights: tuple[Heights, Heights], points: tuple[Sequence[Vector], Sequence[Vector]], lo: fmpq, hi: fmpq
+    heights: tuple[KeptHeights, KeptHeights], points: tuple[Sequence[Vector], Sequence[Vector]], lo: fmpq, hi: fmpq
 ) -> Times | None:
     """The part of the time from lo to hi outside which two sets of points certainly share no height; None: all of it.
 

@@ -46,7 +46,7 @@ SUPPORTED = *SIMPLE, Screw, RationalMotion, Product
 FEW_TURNS = fmpq(316, 101)
 
 
-class Piece(NamedTuple):
+class MotionPiece(NamedTuple):
     """Relative motion of a seen from b during [start, end] (end None: for ever); local time is t - reference.
 
     velocity (translation) per unit of time, or axis, point and rate (radians, turns) per unit of time.
@@ -79,17 +79,17 @@ class Piece(NamedTuple):
             return rotation_matrix(axis, point, angle)
         return None
 
-    def at_start(self) -> Piece:
+    def at_start(self) -> MotionPiece:
         """The instant in which a rotation's window starts, both bodies as they stand in the world then."""
         assert self.axis is not None and self.point is not None
         passed, carry = self.start - self.reference, self.carry_rate or (_0, _0)
         rate_a = self.rate[0] + carry[0], self.rate[1] + carry[1]
         turn_a, turn_b = (Turn(self.axis, self.point, *_times(passed, rate)) for rate in (rate_a, carry))
         placed = self.place_a.then(turn_a), self.place_b.then(turn_b)
-        return Piece(self.start, self.start, self.start, *placed, (_0, _0, _0), None, None, (_0, _0))
+        return MotionPiece(self.start, self.start, self.start, *placed, (_0, _0, _0), None, None, (_0, _0))
 
 
-def pieces(a: Body, b: Body, first: fmpq, last: fmpq | None) -> list[Piece | CurvedPiece]:
+def pieces(a: Body, b: Body, first: fmpq, last: fmpq | None) -> list[MotionPiece | CurvedPiece]:
     """The pieces of the relative motion over [first, last], in time order.
 
     Raises UnsupportedPair for motions of other classes.
@@ -113,7 +113,7 @@ def curved_pieces(a: Body, b: Body, first: fmpq, last: fmpq) -> list[CurvedPiece
     ]
 
 
-def by_motions(a: Body, b: Body, piece: Piece) -> CurvedPiece | None:
+def by_motions(a: Body, b: Body, piece: MotionPiece) -> CurvedPiece | None:
     """A piece of the motions of both, one that has an end, by these motions themselves."""
     if piece.steps is None or piece.end is None:
         return None
@@ -172,7 +172,7 @@ def _rests(motion: AnyMotion) -> bool:
     return isinstance(motion, Rotation) and motion.angle == 0
 
 
-def _reduce(a: Body, b: Body, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> Piece | CurvedPiece:
+def _reduce(a: Body, b: Body, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> MotionPiece | CurvedPiece:
     """One piece; the table of section 6 of the derivation: which pairs of motions are one motion.
 
     All others are curved.
@@ -185,7 +185,7 @@ def _reduce(a: Body, b: Body, step_a: Step, step_b: Step, start: fmpq, end: fmpq
     straight_b = rest_b or isinstance(motion_b, Translation)
     if straight_a and straight_b:
         v_a, v_b = _velocity(step_a, rest_a), _velocity(step_b, rest_b)
-        return Piece(
+        return MotionPiece(
             start, end, start, step_a.pose(start), step_b.pose(start),
             sub(v_a, v_b), None, None, (_0, _0),
             carry_velocity=v_b if any(v_b) else None, steps=(step_a, step_b),
@@ -202,14 +202,16 @@ def _reduce(a: Body, b: Body, step_a: Step, step_b: Step, start: fmpq, end: fmpq
     carry_rate = rate_b if any(rate_b) else None
     if not any(rate):
         zero = (_0, _0, _0)
-        return Piece(start, end, start, *placed, zero, lead.axis, lead.point, rate, None, carry_rate, (step_a, step_b))
+        return MotionPiece(
+            start, end, start, *placed, zero, lead.axis, lead.point, rate, None, carry_rate, (step_a, step_b)
+        )
     reference = start
     if not (placed[0].is_exact and placed[1].is_exact):
         begins = {step.origin for step, rests in ((step_a, rest_a), (step_b, rest_b)) if not rests}
         if len(begins) == 1 and step_a.before.is_exact and step_b.before.is_exact:
             reference, placed = begins.pop(), (step_a.before, step_b.before)
     steps = step_a, step_b
-    return Piece(start, end, reference, *placed, None, lead.axis, lead.point, rate, None, carry_rate, steps)
+    return MotionPiece(start, end, reference, *placed, None, lead.axis, lead.point, rate, None, carry_rate, steps)
 
 
 def _is_straight_or_turn(step: Step) -> bool:

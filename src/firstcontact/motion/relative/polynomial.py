@@ -176,7 +176,7 @@ def _common(a: PolynomialPiece, b: PolynomialPiece) -> tuple[Matrix, Matrix, Str
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class PolynomialStep:
     """`motion`, after the rational pose `before` and followed by the fixed map `after`, over [start, end].
 
     start, end None: it goes on.  Its own time is (t - origin) / unit.  power: of the turn that u tells, for rotations.
@@ -193,7 +193,7 @@ class Step:
     power: int = 1
 
 
-def steps_within(body: Body, first: fmpq, last: fmpq | None) -> Iterator[tuple[Step, fmpq, fmpq | None, str]]:
+def steps_within(body: Body, first: fmpq, last: fmpq | None) -> Iterator[tuple[PolynomialStep, fmpq, fmpq | None, str]]:
     """(step, begin, end, name) of the steps of a body or motion in [first, last]; for an instant, one of them."""
     motion = body.motion if isinstance(body, Moving) else body if callable(body) else REST
     who = repr(name) if (name := getattr(body, "name", None)) else "a body"
@@ -210,15 +210,15 @@ def steps_within(body: Body, first: fmpq, last: fmpq | None) -> Iterator[tuple[S
         yield step, begin, end, f"{type(step.motion).__name__} of {who}"
 
 
-def _rational_steps(motion: AnyMotion) -> Iterator[Step]:
+def _rational_steps(motion: AnyMotion) -> Iterator[PolynomialStep]:
     for step in steps_of(motion):
         start = None if step.end is None else step.start
-        yield Step(
+        yield PolynomialStep(
             step.motion, start, step.end, step.before.near(), step.before.is_exact, step.origin, step.unit
         )
 
 
-def _difference(a: Step, b: Step) -> Step | None:
+def _difference(a: PolynomialStep, b: PolynomialStep) -> PolynomialStep | None:
     """The rotation of a as seen from b where both turn about one line at different speeds, else None.
 
     Turns about one line commute: with angles p (t - s) and q (t - r) it is the turn by (p - q) (t - o), between a's
@@ -235,10 +235,10 @@ def _difference(a: Step, b: Step) -> Step | None:
     turn = Rotation(x.axis, x.point, **{x.unit: p - q})
     after = projective.inverse(projective.fixed(b.before), _0)
     origin = (p * a.origin - q * b.origin) / (p - q)
-    return Step(turn, None, None, a.before, a.exact and b.exact, origin, _1, after)
+    return PolynomialStep(turn, None, None, a.before, a.exact and b.exact, origin, _1, after)
 
 
-def _powers(a: Step, b: Step) -> tuple[int, int]:
+def _powers(a: PolynomialStep, b: PolynomialStep) -> tuple[int, int]:
     """The whole numbers that the speeds of two rotations are in proportion to; (1, 1) where none are small."""
     x, y = a.motion, b.motion
     if isinstance(x, Rotation) and isinstance(y, Rotation) and x.angle != 0 and y.angle != 0 and x.unit == y.unit:
@@ -248,7 +248,7 @@ def _powers(a: Step, b: Step) -> tuple[int, int]:
     return 1, 1
 
 
-def step_pieces(step: Step, first: fmpq, last: fmpq | None, of: str) -> Iterator[PolynomialPiece]:
+def step_pieces(step: PolynomialStep, first: fmpq, last: fmpq | None, of: str) -> Iterator[PolynomialPiece]:
     """The pieces of one step over [first, last].
 
     last None: without end, for translations and rotations.  UnsupportedPair where the pose is no rational function
@@ -283,7 +283,7 @@ def own_pose(motion: AnyMotion, of: str) -> Matrix:
 
 
 def _turn_pieces(
-    step: Step, motion: Rotation, first: fmpq, last: fmpq | None, of: str
+    step: PolynomialStep, motion: Rotation, first: fmpq, last: fmpq | None, of: str
 ) -> Iterator[PolynomialPiece]:
     """The pieces of a rotation, cut where it has turned an odd number of quarter turns since its start."""
     axis = _primitive(motion.axis if motion.angle > 0 else scaled(-1, motion.axis))

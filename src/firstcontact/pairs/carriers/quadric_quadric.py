@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from firstcontact.exact.fields.number_field import NumberField, is_zero
 from firstcontact.exact.fields.roots import AlgebraicRoot
-from firstcontact.exact.pencils.pencils import Meeting, Tangency, characteristic, pencil_contacts
+from firstcontact.exact.pencils.pencils import PencilMeeting, Tangency, characteristic, pencil_contacts
 from firstcontact.exact.polynomials.inertia import null_space, times
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix, adjugate, minors
 from firstcontact.pairs.carriers import planar_conics
@@ -66,12 +66,12 @@ def contacts(a: Matrix, b: Matrix, root: AlgebraicRoot) -> Contacts:
 
 
 NO_CONTACT = {
-    Meeting.CROSSING: CROSSING,
-    Meeting.CUSP: CROSSING,
-    Meeting.PLANES: CROSSING,
-    Meeting.IMAGINARY: IMAGINARY,
-    Meeting.SINGULAR: APEX,
-    Meeting.SURFACE: "the surfaces coincide",
+    PencilMeeting.CROSSING: CROSSING,
+    PencilMeeting.CUSP: CROSSING,
+    PencilMeeting.PLANES: CROSSING,
+    PencilMeeting.IMAGINARY: IMAGINARY,
+    PencilMeeting.SINGULAR: APEX,
+    PencilMeeting.SURFACE: "the surfaces coincide",
 }
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from flint import arb_series, fmpz, fmpz_poly
 
-from firstcontact.exact.fields.conditions import Conditions
+from firstcontact.exact.fields.conditions import ParameterConditions
 from firstcontact.exact.vectors import Vector, cross, dot, scaled, sub
 
 if TYPE_CHECKING:
@@ -27,30 +27,30 @@ def _seen(x: Point, p: Vector) -> Vector:
     return sub(x[0], scaled(x[1], p))
 
 
-def vertex_vertex(x: Point, p: Vector) -> list[Conditions]:
+def vertex_vertex(x: Point, p: Vector) -> list[ParameterConditions]:
     """When the moving point is at p."""
-    return [Conditions(_seen(x, p))]
+    return [ParameterConditions(_seen(x, p))]
 
 
-def vertex_edge(x: Point, c: Vector, d: Vector) -> list[Conditions]:
+def vertex_edge(x: Point, c: Vector, d: Vector) -> list[ParameterConditions]:
     """When the moving point is on the closed segment cd."""
     f = sub(d, c)
     if not any(f):
         return vertex_vertex(x, c)
     along = dot(_seen(x, c), f)
-    return [Conditions(cross(_seen(x, c), f), (along, x[1] * dot(f, f) - along))]
+    return [ParameterConditions(cross(_seen(x, c), f), (along, x[1] * dot(f, f) - along))]
 
 
-def vertex_facet(x: Point, a: Vector, b: Vector, c: Vector) -> list[Conditions]:
+def vertex_facet(x: Point, a: Vector, b: Vector, c: Vector) -> list[ParameterConditions]:
     """When the moving point is in the closed triangle abc."""
     n = cross(sub(b, a), sub(c, a))
     if not any(n):
         return [*vertex_edge(x, a, b), *vertex_edge(x, b, c), *vertex_edge(x, c, a)]
     inside = tuple(dot(cross(n, sub(q, p)), _seen(x, p)) for p, q in ((a, b), (b, c), (c, a)))
-    return [Conditions((dot(n, _seen(x, a)),), inside)]
+    return [ParameterConditions((dot(n, _seen(x, a)),), inside)]
 
 
-def edge_edge_crossing(x: Point, e: Vector, c: Vector, d: Vector) -> Conditions:
+def edge_edge_crossing(x: Point, e: Vector, c: Vector, d: Vector) -> ParameterConditions:
     """When the moving segment from x to x + e/w meets the segment cd and is not parallel to it.
 
     With n = e x f and r = c - x the lines meet where r.n = 0, at lam = (r x f).n / n.n and mu = (r x e).n / n.n.
@@ -59,7 +59,7 @@ def edge_edge_crossing(x: Point, e: Vector, c: Vector, d: Vector) -> Conditions:
     n = cross(e, f)
     square = dot(n, n)
     lam, mu = dot(cross(r, f), n), dot(cross(r, e), n)
-    return Conditions((dot(r, n),), (lam, square - lam, mu, square * x[1] - mu), (square,))
+    return ParameterConditions((dot(r, n),), (lam, square - lam, mu, square * x[1] - mu), (square,))
 
 
 def above_facet(x: Point, a: Vector, b: Vector, c: Vector) -> arb_series:

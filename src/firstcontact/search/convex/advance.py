@@ -55,7 +55,7 @@ from firstcontact.motion.relative.curved import CurvedPiece, step_at
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.search.convex.close_up import CloseUp, Passage
-from firstcontact.search.convex.common_point import Meeting
+from firstcontact.search.convex.common_point import PieceMeeting
 from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
 from firstcontact.search.convex.separation import NoFunction
 
@@ -365,7 +365,7 @@ class PieceSearch:
         latest = min(window.inner, reached + 0.98 * self.width)
         if not rate or latest < reached:
             return False
-        meeting = Meeting(self._motion(window), self.a.solids[int(c[PART])], self.b.solids[int(c[PART + 1])])
+        meeting = PieceMeeting(self._motion(window), self.a.solids[int(c[PART])], self.b.solids[int(c[PART + 1])])
         time = min(max(float(self.results[TIME]), reached), latest)
         _, *point = inner_point(a, window.a, b, window.b, time, w, c)
         time = min(max(time + meeting.correction(time, point, self._active(), rate), reached), latest)

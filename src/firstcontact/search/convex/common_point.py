@@ -22,7 +22,7 @@ Active = Sequence[tuple[int, int, float, list[float]]]
 
 
 @dataclass(frozen=True)
-class Meeting:
+class PieceMeeting:
     """A step of the motion, and the half-spaces of the piece of a and of that of b, each in its own frame."""
 
     motion: CurvedPiece

@@ -41,7 +41,7 @@ from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.event_tables import Tables, tables_of
-from firstcontact.search.events.instants import Instant, scratch_for
+from firstcontact.search.events.instants import PlacedForms, scratch_for
 from firstcontact.search.events.shared_points import proved_at, shared_point, without_corners
 from firstcontact.search.events.solid_certificate import earliest_event
 from firstcontact.work import WORTH
@@ -138,7 +138,7 @@ class EventSearch:
             complete=True,
         )  # fmt: skip
         window = next(w for w in self.windows if time <= w.last)
-        instant = Instant(self.tables, window, self.scratch)
+        instant = PlacedForms(self.tables, window, self.scratch)
         shares = (SOON, *SHARES) if sharp else SHARES
         times = [min(max(hi, lo + share * self.width), window.last) for share in shares]
         at = proved_at(self.bodies, instant, covers, times, last)
@@ -241,7 +241,7 @@ class EventSearch:
         """A time in which the models move by a part of their size."""
         rest = window.last - t
         trial = LEAST_STRIDE * rest
-        if not Instant(self.tables, window, self.scratch).place(t, t + trial):
+        if not PlacedForms(self.tables, window, self.scratch).place(t, t + trial):
             return trial
         slab = self.scratch.boxes[SLAB]
         travel = max(float(slab[TRAVEL]), float(slab[TRAVEL + 1]), 1e-300)
@@ -275,7 +275,7 @@ class EventSearch:
         lo, hi = float(self.result[0]), float(self.result[1])
         count, start = int(self.result[2]), int(self.result[3])
         boxes = self.pool[start : start + count].copy()
-        instant = Instant(self.tables, window, self.scratch)
+        instant = PlacedForms(self.tables, window, self.scratch)
         found = shared_point(self.bodies, instant, boxes, lo, hi, self.width, last)
         if found is None:
             return self._answer("open", lo, reason="precision")

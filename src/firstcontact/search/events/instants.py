@@ -71,7 +71,7 @@ STEPS = 4
 """Newton's steps at most; from a box of the search two suffice."""
 
 
-class Scratch(NamedTuple):
+class EventScratch(NamedTuple):
     """The arrays that `kernels.events.event_search.search` works in, in its order."""
 
     workspace: np.ndarray
@@ -81,15 +81,15 @@ class Scratch(NamedTuple):
     stack: np.ndarray
 
 
-def scratch_for(tables: Tables) -> Scratch:
+def scratch_for(tables: Tables) -> EventScratch:
     boxes, stack = np.zeros((ROWS, WIDTH)), np.zeros(STACK, np.int64)
-    return Scratch(workspace()[0], np.zeros((3, MODELS)), tables.table.copy(), boxes, stack)
+    return EventScratch(workspace()[0], np.zeros((3, MODELS)), tables.table.copy(), boxes, stack)
 
 
-class Instant:
+class PlacedForms:
     """Reads and fills the table of forms for times that it is placed at."""
 
-    def __init__(self, tables: Tables, window: Window, scratch: Scratch) -> None:
+    def __init__(self, tables: Tables, window: Window, scratch: EventScratch) -> None:
         self.tables, self.window, self.scratch = tables, window, scratch
 
     def place(self, first: float, last: float) -> bool:

@@ -23,7 +23,7 @@ from firstcontact.search.events.pose_jets import PoseJet, relative_jet
 
 if TYPE_CHECKING:
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
-    from firstcontact.search.events.ruled_solids import Event
+    from firstcontact.search.events.ruled_solids import RuledSolidEvent
 
 MOST = 400
 """Boxes looked at in balls for one slab."""
@@ -37,7 +37,7 @@ class EventSystem(Equations):
     Equations and order as `search.events.ruled_charts` has them.
     """
 
-    def __init__(self, event: Event, poses: tuple[PoseJet, PoseJet]) -> None:
+    def __init__(self, event: RuledSolidEvent, poses: tuple[PoseJet, PoseJet]) -> None:
         self.own, self.other, self.free = event.own, event.other, event.free
         self.forms = [arb_mat(rows) for rows in event.surfaces]
         self.poses, self.cuts = poses, event.cuts
@@ -154,10 +154,10 @@ class Certificate:
         self, model: CompositeQuadric, poses: tuple[PoseJet, PoseJet], begin: fmpq, end: fmpq, most: int
     ) -> None:
         self.model, self.poses, self.begin, self.end, self.most = model, poses, begin, end, most
-        self.events: list[tuple[Event, arb]] = []
+        self.events: list[tuple[RuledSolidEvent, arb]] = []
         self.open: fmpq | None = None
 
-    def add(self, event: Event, boxes: Sequence[np.ndarray]) -> None:
+    def add(self, event: RuledSolidEvent, boxes: Sequence[np.ndarray]) -> None:
         """The events of one pair of features in boxes of its chart."""
         system = EventSystem(event, self.poses)
         starts = [_ball_box(event, box) for box in boxes]
@@ -171,7 +171,7 @@ class Certificate:
                     time = dyadic(arb(box[-1].lower()))
                     self.open = time if self.open is None else min(self.open, time)
 
-    def _add_zero(self, event: Event, system: EventSystem, zero: Zero) -> None:
+    def _add_zero(self, event: RuledSolidEvent, system: EventSystem, zero: Zero) -> None:
         z = zero.balls(160)
         x, s, t = system.everywhere(z)
         if t > arb(self.end) or t < arb(self.begin) or x > 1 or x < -1 or s > 1 or s < 0:
@@ -180,7 +180,7 @@ class Certificate:
             self.events.append((event.placed([dyadic(arb(c.mid())) for c in z]), t))
             self.events.sort(key=lambda e: float(e[1].mid()))
 
-    def _is_outside(self, event: Event, system: EventSystem, z: Sequence[arb]) -> bool:
+    def _is_outside(self, event: RuledSolidEvent, system: EventSystem, z: Sequence[arb]) -> bool:
         """Whether the point is proved not to belong to the closed model, or to be cut off the surface."""
         x, s, _ = system.everywhere(z)
         if any(cut.value(x, s) < 0 for k, cut in enumerate(event.own.sheet.cuts) if k not in event.numbers):
@@ -196,7 +196,7 @@ class Certificate:
         return True not in outcomes(self.model.tree, signs)
 
 
-def _vanishing(event: Event) -> Iterator[int]:
+def _vanishing(event: RuledSolidEvent) -> Iterator[int]:
     """Numbers of the model's surfaces that pass through the event."""
     if isinstance(event.other, Face):
         yield event.other.surfaces[0]
@@ -206,7 +206,7 @@ def _vanishing(event: Event) -> Iterator[int]:
         yield from event.other.surfaces
 
 
-def _ball_box(event: Event, box: np.ndarray) -> list[arb]:
+def _ball_box(event: RuledSolidEvent, box: np.ndarray) -> list[arb]:
     """The box of a chart's parameters and times, in the unknowns of the system."""
     sides = [(box[2], box[3]), (box[4], box[5])][: len(event.free)]
     sides.append((0.5 * (box[6] + box[7]), 0.5 * (box[7] - box[6])))

@@ -54,7 +54,7 @@ from firstcontact.kernels.events.feature_boxes import (
 )
 from firstcontact.search.events.charts import BITS, Charts, NotCharted, forms_of, resting
 from firstcontact.search.events.event_tables import Tables, crossing_surfaces, programs_of
-from firstcontact.search.rulings.ruled_pieces import Part, RuledPiece
+from firstcontact.search.rulings.ruled_pieces import RangePart, RuledPiece
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Ruled
@@ -67,7 +67,7 @@ FLAT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
+class ChartSheet:
     """A part of a piece: X = first + s (second - first) over its x in [-1, 1]; homogeneous, in the body's frame.
 
     later: of a part that deforms what T, T^2, ... are multiplied with to be added to X; `at` a time it is all of X.
@@ -75,11 +75,11 @@ class Sheet:
     """
 
     number: int
-    part: Part
+    part: RangePart
     first: list[fmpz_poly]
     second: list[fmpz_poly]
-    later: tuple[Sheet, ...] = ()
-    cuts: tuple[Cut, ...] = ()
+    later: tuple[ChartSheet, ...] = ()
+    cuts: tuple[TrimCut, ...] = ()
 
     @property
     def degree(self) -> int:
@@ -89,7 +89,7 @@ class Sheet:
         """Whether all inequalities that cut the part hold there."""
         return all(cut.value(x, s) >= 0 for cut in self.cuts)
 
-    def at(self, t: fmpq | arb) -> Sheet | Mixed:
+    def at(self, t: fmpq | arb) -> ChartSheet | Mixed:
         return Mixed((self, *self.later), [t**k for k in range(len(self.later) + 1)]) if self.later else self
 
     def rate(self, t: fmpq | arb) -> Mixed | None:
@@ -131,7 +131,7 @@ def _blended(sides: tuple[list[fmpz_poly], list[fmpz_poly]], x: E, s: E) -> list
 class Mixed:
     """A sum of multiples of sheets, to be asked like one."""
 
-    sheets: tuple[Sheet, ...]
+    sheets: tuple[ChartSheet, ...]
     weights: list[Any]
 
     def point(self, x: E, s: E) -> list[E]:
@@ -155,7 +155,7 @@ class Mixed:
 
 
 @dataclass(frozen=True, eq=False)
-class Cut:
+class TrimCut:
     """The inequality sum of s^k powers[k](x) >= 0."""
 
     powers: tuple[fmpz_poly, ...]
@@ -210,7 +210,7 @@ class RuledFeature:
     inner: whether the border is one of pieces of a strip only.
     """
 
-    sheet: Sheet
+    sheet: ChartSheet
     kind: str
     index: int
     x: int | None
@@ -233,7 +233,7 @@ Terms = dict[tuple[int, int], int]
 """c of u^i s^j by (i, j)."""
 
 
-def sheets_of(body: Ruled, trims: Sequence[tuple[Sequence[Terms], Sequence[Terms]]]) -> list[Sheet]:
+def sheets_of(body: Ruled, trims: Sequence[tuple[Sequence[Terms], Sequence[Terms]]]) -> list[ChartSheet]:
     """All parts of all pieces of a ruled surface or strip.  Raises NotCharted.
 
     trims: for every piece its inequalities g >= 0, with s from 0 to 1, and the same in 1/u.
@@ -247,7 +247,7 @@ def sheets_of(body: Ruled, trims: Sequence[tuple[Sequence[Terms], Sequence[Terms
         for k, part in enumerate(local.parts):
             sides = _with_one_weight(*([_powers_of_time(c) for c in local.components(k, i)] for i in range(2)))
             rows = _by_time(*sides)
-            sheet, *later = (Sheet(number, part, *row) for row in rows)
+            sheet, *later = (ChartSheet(number, part, *row) for row in rows)
             cuts = tuple(_cut(g, part) for g in trims[number][1 if part.inverted else 0])
             sheet = replace(sheet, later=tuple(later), cuts=cuts)
             if max([sheet.degree, *(cut.degrees[0] for cut in cuts)]) > MOST_DEGREE:
@@ -258,7 +258,7 @@ def sheets_of(body: Ruled, trims: Sequence[tuple[Sequence[Terms], Sequence[Terms
     return found
 
 
-def _cut(g: Terms, part: Part) -> Cut:
+def _cut(g: Terms, part: RangePart) -> TrimCut:
     powers = []
     for k in range(1 + max((j for _, j in g), default=0)):
         coefficients = [0] * (1 + max((i for i, j in g if j == k), default=0))
@@ -267,7 +267,7 @@ def _cut(g: Terms, part: Part) -> Cut:
                 coefficients[i] = c
         powers.append(fmpq_poly(coefficients)(fmpq_poly([part.middle, part.half])))
     below = reduce(lambda n, p: n.lcm(p.denom()), powers, fmpz(1))
-    return Cut(tuple((p * below).numer() for p in powers))
+    return TrimCut(tuple((p * below).numer() for p in powers))
 
 
 InTime = list[fmpq_poly]
@@ -310,7 +310,7 @@ def _by_time(p: list[InTime], q: list[InTime]) -> list[tuple[list[fmpz_poly], li
     return rows
 
 
-def features_of(sheet: Sheet, piece: RuledSurface) -> Iterator[RuledFeature]:
+def features_of(sheet: ChartSheet, piece: RuledSurface) -> Iterator[RuledFeature]:
     """The face, the borders and the corners of a part; sides that are a point are corners."""
     part = sheet.part
     ends = [k for k in range(2) if part.ends[k]]
@@ -329,7 +329,7 @@ def features_of(sheet: Sheet, piece: RuledSurface) -> Iterator[RuledFeature]:
     yield RuledFeature(sheet, "face", 0, None, None)
 
 
-def _is_point(sheet: Sheet, which: int) -> bool:
+def _is_point(sheet: ChartSheet, which: int) -> bool:
     """Whether a side is a point, which may move."""
     side = [[fmpq_poly((x.first, x.second)[which][i]) for x in (sheet, *sheet.later)] for i in range(4)]
     slopes = [[c.derivative() for c in x] for x in side]
@@ -337,7 +337,7 @@ def _is_point(sheet: Sheet, which: int) -> bool:
 
 
 def ruled_tables(
-    ruled: RuledSurface, sheets: list[Sheet], model: CompositeQuadric, side: int, span: tuple[float, float]
+    ruled: RuledSurface, sheets: list[ChartSheet], model: CompositeQuadric, side: int, span: tuple[float, float]
 ) -> Tables:
     """The tables of a ruled surface, body `side`, with its sheets, and a model, over a span.  Raises NotCharted."""
     units = _units(ruled, span)
@@ -389,7 +389,7 @@ def ruled_tables(
     )  # fmt: skip
 
 
-ALWAYS = Cut((fmpz_poly([1]),))
+ALWAYS = TrimCut((fmpz_poly([1]),))
 
 
 def _own_forms(units: np.ndarray, cuts: int) -> Charts:
@@ -407,7 +407,7 @@ def _own_forms(units: np.ndarray, cuts: int) -> Charts:
     )
 
 
-def _cut_row(feature: RuledFeature, cut: Cut, width: int) -> np.ndarray:
+def _cut_row(feature: RuledFeature, cut: TrimCut, width: int) -> np.ndarray:
     """The row of the chart of an inequality, in the parameters of a feature."""
     row = np.zeros(width)
     row[POWERS + 3] = 1.0

@@ -59,10 +59,10 @@ from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.advance import Advance
 from firstcontact.search.events.event_tables import Tables, crossing_surfaces
 from firstcontact.search.events.events import REACH, SPREAD, STAGES, EventSearch
-from firstcontact.search.events.instants import Instant
+from firstcontact.search.events.instants import PlacedForms
 from firstcontact.search.events.pose_jets import PoseJet
 from firstcontact.search.events.ruled_certificate import Certificate
-from firstcontact.search.events.ruled_charts import Mixed, RuledFeature, Sheet, crossing_at
+from firstcontact.search.events.ruled_charts import ChartSheet, Mixed, RuledFeature, crossing_at
 from firstcontact.search.events.shared_points import BITS, RANKS, ball_pose, mapped, middles
 from firstcontact.work import WORTH
 
@@ -89,7 +89,7 @@ START_GRID = 12
 
 
 @dataclass(frozen=True)
-class RuledContact:
+class RuledSolidContact:
     """What was proved, as `search.convex.advance.Advance`; of a contact also the features and whether it is isolated.
 
     cut: the inequality at whose border the contact is.  boxes: (n, 8), what survives at `free_until` of an open search.
@@ -115,26 +115,26 @@ class RuledSearch(EventSearch):
         super().__init__(a, b, tables, stretches, tolerance, budget)
         self.side = side
         self.way = 1
-        self.event: Event | None = None
+        self.event: RuledSolidEvent | None = None
         self.left: np.ndarray | None = None
 
-    def contact(self, first: fmpq, last: fmpq) -> RuledContact:
+    def contact(self, first: fmpq, last: fmpq) -> RuledSolidContact:
         found = self.run(below(first), last)
         if found.status == "open" and found.free_until <= self.windows[0].first and found.reason == "precision":
             point = self._sampled(first, True)
             if point is not None:
                 found = replace(found, status="initial", point=point)
         if self.event is None:
-            return RuledContact(found, boxes=self.left)
+            return RuledSolidContact(found, boxes=self.left)
         cut = min(self.event.numbers, default=None)
         with precision(BITS):
             isolated = self.event.regular and not found.spread and self.event.is_clear()
-        return RuledContact(found, self.event.own, cut, self.event.other, isolated)
+        return RuledSolidContact(found, self.event.own, cut, self.event.other, isolated)
 
     def is_away_from_boundary(self) -> bool:
         """True proves that no point of the surface lies on the model's boundary at the start."""
         start, t = self.windows[0], self.tables
-        if not Instant(t, start, self.scratch).place(start.first, start.first):
+        if not PlacedForms(t, start, self.scratch).place(start.first, start.first):
             return False
         table, z, stack = self.scratch.table, self.scratch.boxes, self.scratch.stack
         begin, end, base = t.layout[self.side, [OTHER_BEGIN, OTHER_END, OTHER]]
@@ -252,7 +252,7 @@ class RuledSearch(EventSearch):
         most = max(self.budget - self.done, 0) // WORTH
         known = Certificate(model, poses, exact_value(lo), exact_value(end), most)
         for (chart, pair), boxes in sorted(pairs.items(), key=lambda item: self._rank((item[0], None))):
-            known.add(Event(self.bodies, self.side, self.tables, chart, pair, boxes[0]), boxes)
+            known.add(RuledSolidEvent(self.bodies, self.side, self.tables, chart, pair, boxes[0]), boxes)
         self.counters[VISITS] += WORTH * (most - known.most)
         self.is_spent = self.is_spent or known.most == 0
         return known
@@ -278,7 +278,7 @@ class RuledSearch(EventSearch):
                 )  # fmt: skip
         return self._answer("open", lo, reason="precision")
 
-    def _events(self, boxes: np.ndarray, earliest: float) -> Iterator[Event]:
+    def _events(self, boxes: np.ndarray, earliest: float) -> Iterator[RuledSolidEvent]:
         """Events in the boxes: those that Newton's method fixes, the earliest first, then those of lower features; then
         those of other features near the boxes (a tip, for a cone that looks tangent there); then all the others."""
         here: dict[tuple[int, int], np.ndarray] = {}
@@ -293,15 +293,15 @@ class RuledSearch(EventSearch):
 
     def _refined(
         self, pairs: dict[tuple[int, int], np.ndarray], earliest: float
-    ) -> tuple[list[Event], list[Event]]:
+    ) -> tuple[list[RuledSolidEvent], list[RuledSolidEvent]]:
         """(events that are fixed within the width after that time, those that are not)."""
         regular, others = [], []
         for (chart, pair), box in sorted(pairs.items(), key=self._rank)[:TRIED]:
-            event = Event(self.bodies, self.side, self.tables, chart, pair, box)
+            event = RuledSolidEvent(self.bodies, self.side, self.tables, chart, pair, box)
             if event.refine() and event.regular and earliest <= event.time <= earliest + self.width:
                 regular.append(event)
             else:
-                others.append(Event(self.bodies, self.side, self.tables, chart, pair, box))
+                others.append(RuledSolidEvent(self.bodies, self.side, self.tables, chart, pair, box))
         return sorted(regular, key=lambda event: event.time), others  # stable: the lowest features first
 
     def _near(self, box: np.ndarray) -> Iterator[tuple[int, int]]:
@@ -360,7 +360,7 @@ def cuts_of(tables: Tables, side: int, pair: int) -> tuple[int, ...]:
     return (*first, other - SECOND_CUT) if other >= SECOND_CUT else first
 
 
-class Event:
+class RuledSolidEvent:
     """A feature of the ruled surface that begins to touch one of the model, at a rational place and time.
 
     Call within `precision(BITS)`.
@@ -497,7 +497,7 @@ class Event:
         self.regular = bool(-1 <= x <= 1 and 0 <= s <= 1 and smooth)
         return True
 
-    def placed(self, z: Sequence[fmpq]) -> Event:
+    def placed(self, z: Sequence[fmpq]) -> RuledSolidEvent:
         """The same event at these free parameters and this time, which are its own."""
         event = copy(self)
         event.place = list(self.place)
@@ -605,7 +605,7 @@ class Event:
         return self.other.faces if isinstance(self.other, Edge) else ()
 
     @property
-    def _sheet(self) -> Sheet | Mixed:
+    def _sheet(self) -> ChartSheet | Mixed:
         return self.own.sheet.at(self.moment)
 
     def _ways(self, place: Sequence[fmpq]) -> list[np.ndarray]:
@@ -639,7 +639,7 @@ def _surfaces_near(model: CompositeQuadric, x: np.ndarray, size: float) -> np.nd
 
 
 def _sampled(
-    bodies: tuple[Body, Body], side: int, sheets: Sequence[Sheet], t: fmpq, within: bool
+    bodies: tuple[Body, Body], side: int, sheets: Sequence[ChartSheet], t: fmpq, within: bool
 ) -> np.ndarray | None:
     shapes: list[Any] = [shape_of(x) for x in bodies]
     model = shapes[1 - side]
@@ -675,12 +675,12 @@ def is_inside(model: CompositeQuadric, there: list[arb]) -> bool | None:
     return bool(inside(model.tree, negative))
 
 
-def _exact_point(sheet: Sheet | Mixed, place: Sequence[fmpq]) -> list[arb]:
+def _exact_point(sheet: ChartSheet | Mixed, place: Sequence[fmpq]) -> list[arb]:
     point = sheet.point(*place)
     return [arb(c / point[3]) for c in point[:3]]
 
 
-def _in_doubles(sheet: Sheet | Mixed, x: float, s: float) -> np.ndarray:
+def _in_doubles(sheet: ChartSheet | Mixed, x: float, s: float) -> np.ndarray:
     point = sheet.point(exact_value(x), exact_value(s))
     return np.array([to_double(c / point[3]) for c in point[:3]])
 

@@ -27,7 +27,7 @@ from firstcontact.motion.steps import REST
 from firstcontact.search.convex.advance import Advance, Feature
 from firstcontact.search.convex.convex import covering_pieces
 from firstcontact.search.events.event_tables import Tables, crossing_surfaces
-from firstcontact.search.events.instants import NEAR, Instant
+from firstcontact.search.events.instants import NEAR, PlacedForms
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
@@ -40,7 +40,7 @@ RANKS = {Vertex: 0, Edge: 1, Face: 2}
 
 
 @dataclass(frozen=True)
-class Shared:
+class SharedContact:
     """time: of the event, rounded; proved_at: a time at which a common point is proved; point, normal: in the world.
 
     frames: as `search.convex.advance.Advance` has them.
@@ -63,8 +63,8 @@ def ball_pose(body: Body, t: fmpq) -> Matrix:
 
 
 def shared_point(
-    bodies: tuple[Body, Body], instant: Instant, boxes: np.ndarray, lo: float, hi: float, width: float, last: fmpq
-) -> Shared | None:
+    bodies: tuple[Body, Body], instant: PlacedForms, boxes: np.ndarray, lo: float, hi: float, width: float, last: fmpq
+) -> SharedContact | None:
     """A common point at a time within `width` after lo and not after `last`, from boxes that survive [lo, hi]."""
     latest = lo + 0.98 * width
     for in_doubles in (True, False):
@@ -79,7 +79,7 @@ def shared_point(
 
 
 def proved_at(
-    bodies: tuple[Body, Body], instant: Instant, covers: Advance, times: Sequence[float], last: fmpq
+    bodies: tuple[Body, Body], instant: PlacedForms, covers: Advance, times: Sequence[float], last: fmpq
 ) -> float | None:
     """The first of the times, none after `last`, at which a contact of pieces that cover the models is proved theirs.
 
@@ -127,7 +127,7 @@ def _times(event: float, hi: float, width: float, latest: float, in_doubles: boo
     return [soon, min(max(soon, hi) + 0.05 * width, latest), latest]
 
 
-def _shares(instant: Instant, event: Event, at: float) -> bool:
+def _shares(instant: PlacedForms, event: SharedEvent, at: float) -> bool:
     own, other = event.models()
     if not instant.place(at, at):
         return False
@@ -135,7 +135,7 @@ def _shares(instant: Instant, event: Event, at: float) -> bool:
 
 
 @dataclass
-class Event:
+class SharedEvent:
     """own: the body whose feature is parametrised; x: the event's place in its frame, local: in its units."""
 
     bodies: tuple[Body, Body]
@@ -159,7 +159,7 @@ class Event:
         back = inverse_map(ball_pose(other, t))
         return compose(back, ball_pose(own, t)) if isinstance(own, Moving) else back
 
-    def answer(self, instant: Instant, at: float) -> Shared:
+    def answer(self, instant: PlacedForms, at: float) -> SharedContact:
         instant.place(self.time, self.time)
         poses = instant.poses()
         rows = poses[self.side]
@@ -168,7 +168,7 @@ class Event:
         where = rows[:, :3] @ np.array([to_double(c) for c in self.x]) + rows[:, 3]
         where[np.abs(where) < 2.0**-50 * np.abs(where).max()] = 0.0  # what rounding leaves of a zero
         own, other = (_named(self.own),), (_named(self.other),)
-        return Shared(
+        return SharedContact(
             min(self.time, at), at, where, self._normal(where, rows, poses[1 - self.side]),
             *((own, other) if self.side == 0 else (other, own)), [*frames, [], [], *inverses],
         )  # fmt: skip
@@ -208,20 +208,20 @@ def _outward(body: CompositeQuadric, feature: Face | Edge | Vertex, x: np.ndarra
 
 
 def events_in(
-    bodies: tuple[Body, Body], instant: Instant, boxes: np.ndarray, earliest: float, latest: float
-) -> list[Event]:
+    bodies: tuple[Body, Body], instant: PlacedForms, boxes: np.ndarray, earliest: float, latest: float
+) -> list[SharedEvent]:
     """The events in boxes that survive the search, precise in doubles where they can be, the earliest first."""
     with precision(BITS):
         return _all_events(bodies, instant, boxes, earliest, latest, True)
 
 
 def _all_events(
-    bodies: tuple[Body, Body], instant: Instant, boxes: np.ndarray, earliest: float, latest: float, in_doubles: bool
-) -> list[Event]:
+    bodies: tuple[Body, Body], instant: PlacedForms, boxes: np.ndarray, earliest: float, latest: float, in_doubles: bool
+) -> list[SharedEvent]:
     """The events in the boxes, the earliest first, those at one time by their features; they may be that much later
     than the boxes."""
     tables = instant.tables
-    found: list[Event] = []
+    found: list[SharedEvent] = []
     seen: dict[tuple[int, int], np.ndarray] = {}
     for box in boxes:
         if box[PAIR] >= 0:
@@ -249,7 +249,7 @@ def _rank(tables: Tables, box: np.ndarray) -> tuple[int, ...]:
     return RANKS[type(first)], first.index, RANKS[type(second)], second.index
 
 
-def _event(bodies: tuple[Body, Body], tables: Tables, box: np.ndarray) -> Event:
+def _event(bodies: tuple[Body, Body], tables: Tables, box: np.ndarray) -> SharedEvent:
     chart = int(box[CHART])
     side = int(tables.info[chart, 0])
     u, v = box[2], box[4]
@@ -260,10 +260,10 @@ def _event(bodies: tuple[Body, Body], tables: Tables, box: np.ndarray) -> Event:
     where = [exact_value(c) for c in place]
     if isinstance(own, Vertex):
         where = [dyadic(arb(c.mid())) for c in enclosure(own.carrier)]
-    return Event(bodies, side, own, tables.others[int(box[PAIR])], where, local, float(0.5 * (box[6] + box[7])))
+    return SharedEvent(bodies, side, own, tables.others[int(box[PAIR])], where, local, float(0.5 * (box[6] + box[7])))
 
 
-def _refine(event: Event, tables: Tables, box: np.ndarray) -> bool:
+def _refine(event: SharedEvent, tables: Tables, box: np.ndarray) -> bool:
     """Newton's steps with one approximate Jacobian, residuals in balls; nothing is proved here."""
     own, other = event.models()
     pair = tables.pairs[int(box[PAIR])]
@@ -373,7 +373,7 @@ def _doubles(form: Sequence[Sequence[fmpq]]) -> np.ndarray:
 # -- the proof ----------------------------------------------------------------------------------------------
 
 
-def _proved(event: Event, at: float) -> bool:
+def _proved(event: SharedEvent, at: float) -> bool:
     """Whether a point near the event is proved inside both models at that time."""
     m = event.relative(exact_value(at))
     own, other = event.models()

@@ -60,7 +60,7 @@ class Plan(NamedTuple):
     roots: int
 
 
-class Questions(NamedTuple):
+class EdgeQueries(NamedTuple):
     """Moving edges as queries: forms (k, forms, WIDTH), slacks (k, forms) their errors, parts (k, 2)."""
 
     forms: np.ndarray

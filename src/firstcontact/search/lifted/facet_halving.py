@@ -68,7 +68,7 @@ FIRST_SHARE, SHARES = 8, 16
 FADING = 0.98
 
 
-class Facets(NamedTuple):
+class FacetTables(NamedTuple):
     """The facets of a body: two side lines each (2m, 6), planes (m, 4), boxes (m, 6), sizes (m, 3), corners (m, 9)."""
 
     lines: np.ndarray

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from firstcontact.kernels.jit import kernel
-from firstcontact.search.lifted.facet_halving import Facets, Paths, halve_facets
+from firstcontact.search.lifted.facet_halving import FacetTables, Paths, halve_facets
 from firstcontact.search.lifted.halving import Edges, Room, halve
 from firstcontact.search.lifted.lifted_motion import arc_of
 from firstcontact.search.trees.state import ARC, BEST, DONE, KEY, LIFTED, PHASE, QUERY, STACK
@@ -26,18 +26,18 @@ EDGES_AT_START, FACETS_AT_START, EDGES, CORNERS, FACETS, PHASES = range(6)
 _OF_B = FACETS_AT_START, FACETS
 
 
-class Body(NamedTuple):
+class LiftedBody(NamedTuple):
     """What the walk needs of one body; xyz: its tree's parts.  still: its edges as they stand."""
 
     edges: Edges
     still: Paths
     corners: Paths
-    facets: Facets
+    facets: FacetTables
     xyz: np.ndarray
 
 
 def lifted_walk(
-    a: Body, b: Body, frame: tuple[np.ndarray, float], room: Room, motion: np.ndarray, reach: float,
+    a: LiftedBody, b: LiftedBody, frame: tuple[np.ndarray, float], room: Room, motion: np.ndarray, reach: float,
     errors: tuple[float, float], limit: int, state: WalkState,
     searches: Mapping[int, Callable[[int], int]] = MappingProxyType({}),
 ) -> int:  # fmt: skip

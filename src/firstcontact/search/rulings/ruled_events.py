@@ -136,7 +136,7 @@ class Held(NamedTuple):
     kind: np.ndarray
 
 
-class Search:
+class RulingSearch:
     """Two pieces, and room for the search between them.
 
     most: boxes, one in balls counting as WORTH others, after which balls are not asked any more.
@@ -515,7 +515,7 @@ def _pivots(slopes: list[list[arb]]) -> dict[int, int]:
     return chosen
 
 
-def _geometry(s: Search, kind: np.ndarray, x: np.ndarray, free: int) -> tuple[np.ndarray, np.ndarray | None]:
+def _geometry(s: RulingSearch, kind: np.ndarray, x: np.ndarray, free: int) -> tuple[np.ndarray, np.ndarray | None]:
     """The point, and the unit normal from Q towards P across all free directions."""
     system = ContactSystem(s._curves(kind), [exact_value(c) for c in x[:4]], ())
     with precision(96):
@@ -544,10 +544,10 @@ def first_event(
     p: RuledPiece, q: RuledPiece, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 200_000
 ) -> RuledContact:
     """The first contact of two pieces over the closed [first, last]; budget: boxes in doubles at most."""
-    return first_event_of(Search(p, q), first, last, tolerance, budget)
+    return first_event_of(RulingSearch(p, q), first, last, tolerance, budget)
 
 
-def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget: int) -> RuledContact:
+def first_event_of(s: RulingSearch, first: fmpq, last: fmpq, tolerance: float, budget: int) -> RuledContact:
     """As `first_event`; what the search has looked at before does not count."""
     budget += s.spent
     lo, hi = below(first), above(last)
@@ -590,7 +590,7 @@ def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget:
     return RuledContact("open", begin, reason="precision", boxes=s.done)
 
 
-def sharpened(s: Search, found: RuledContact, width: float, budget: int) -> RuledContact:
+def sharpened(s: RulingSearch, found: RuledContact, width: float, budget: int) -> RuledContact:
     """The contact with the tightest enclosure of its time, where one point is proved to be all of it."""
     assert found.time_interval is not None
     (lo, hi), budget = found.time_interval, budget - s.spent
@@ -603,7 +603,7 @@ def sharpened(s: Search, found: RuledContact, width: float, budget: int) -> Rule
 
 
 def _settled(
-    answer: RuledContact, free: float, event: RuledEvent, last: fmpq, width: float, s: Search
+    answer: RuledContact, free: float, event: RuledEvent, last: fmpq, width: float, s: RulingSearch
 ) -> RuledContact:
     """The answer with what balls have told."""
     hi = event.time_interval[1]
@@ -613,7 +613,7 @@ def _settled(
     return RuledContact("contact", free, time, (free, hi), replace(event, time=time), boxes=s.done)
 
 
-def _answer(s: Search, outcome: int, first: fmpq, last: fmpq, width: float) -> RuledContact:
+def _answer(s: RulingSearch, outcome: int, first: fmpq, last: fmpq, width: float) -> RuledContact:
     free_until, latest = (float(x) for x in s.limit)
     if outcome == DONE and free_until == math.inf:
         return RuledContact("free", above(last), boxes=s.done)

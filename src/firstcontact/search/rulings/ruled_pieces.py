@@ -32,7 +32,7 @@ OVERLAP = fmpq(1, 16)
 """How far, in units of half its length, a part may be exceeded where the next one begins."""
 
 
-class Part(NamedTuple):
+class RangePart(NamedTuple):
     """u = middle + half x, or its inverse, for lowest <= x <= highest; the part proper is |x| <= 1."""
 
     inverted: bool
@@ -73,7 +73,7 @@ class RuledPiece:
         return cls(sides[0].coefficients, sides[1].coefficients, ends)
 
     @cached_property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[RangePart, ...]:
         return _closed_parts() if self.u is None else _range_parts(*self.u)
 
     @property
@@ -175,12 +175,12 @@ class RuledPiece:
         return found[0], found[1]
 
 
-def _closed_parts() -> tuple[Part, ...]:
+def _closed_parts() -> tuple[RangePart, ...]:
     beyond = 1 + OVERLAP
-    return tuple(Part(inverted, fmpq(0), fmpq(1), -beyond, beyond, (False, False)) for inverted in (False, True))
+    return tuple(RangePart(inverted, fmpq(0), fmpq(1), -beyond, beyond, (False, False)) for inverted in (False, True))
 
 
-def _range_parts(lo: fmpq, hi: fmpq) -> tuple[Part, ...]:
+def _range_parts(lo: fmpq, hi: fmpq) -> tuple[RangePart, ...]:
     """[lo, hi] cut at -1 and 1 where it reaches well beyond; what is outside is inverted."""
     room = fmpq(1, 2)
     cuts = [lo, *(c for c in (fmpq(-1), fmpq(1)) if lo + room <= c <= hi - room), hi]
@@ -194,8 +194,8 @@ def _range_parts(lo: fmpq, hi: fmpq) -> tuple[Part, ...]:
     return tuple(parts)
 
 
-def _part(inverted: bool, lo: fmpq, hi: fmpq, ends: tuple[bool, bool]) -> Part:
+def _part(inverted: bool, lo: fmpq, hi: fmpq, ends: tuple[bool, bool]) -> RangePart:
     # the next part is long enough for the overlap, see `_range_parts`
     lowest = fmpq(-1) if ends[0] else -1 - OVERLAP
     highest = fmpq(1) if ends[1] else 1 + OVERLAP
-    return Part(inverted, (lo + hi) / 2, (hi - lo) / 2, lowest, highest, ends)
+    return RangePart(inverted, (lo + hi) / 2, (hi - lo) / 2, lowest, highest, ends)

@@ -57,7 +57,7 @@ class Trees(NamedTuple):
     used: np.ndarray
 
 
-class Cells(NamedTuple):
+class GroupCells(NamedTuple):
     """Of a group: sheets (c,), x (c, 2), arcs (2c, 4) lower and upper in turn: middle x, y and slope there, bend.
 
     A sheet is what has one height over each point of its cells: a facet, or under a rotation what lies over one cell.
@@ -446,7 +446,7 @@ def _with_room(trees, roots, reserve):
 # --------------------------------------------------------------------------------------------------- sweep
 
 
-class Line(NamedTuple):
+class SweepLine(NamedTuple):
     """The sweep line: arcs from below (m,), their places (2c,; -1: not on it), trees (2, m + 1) of the cells over
 
     the regions below each arc and above the last one, ordered and loose; used (1,): number of arcs.
@@ -595,7 +595,7 @@ def sweep_group(cells, starts, ends, order, tolerance, points, pace, askers, par
     of the vertices and sheets; swapped: the vertices are of b.  Returns DONE, FULL or LOST.
     """
     n = cells.sheets.shape[0]
-    line = Line(
+    line = SweepLine(
         np.empty(2 * n + 2, np.int32), np.full(2 * n, -1, np.int32), np.full((2, 2 * n + 3), -1, np.int32),
         np.zeros(1, np.int64),
     )  # fmt: skip

@@ -28,7 +28,7 @@ from firstcontact.pairs.elements.point_line import on_segment
 from firstcontact.pairs.elements.point_plane import on_triangle
 from firstcontact.search.trees.containment import contains, hits_of_ray, parity_of_hits
 from firstcontact.search.trees.elements import VERTEX, Feature, corners_of, vertices_of
-from firstcontact.search.trees.shared_points import NO_AREA, NOWHERE, OPEN, Resting, where_on
+from firstcontact.search.trees.shared_points import NO_AREA, NOWHERE, OPEN, RestingVertices, where_on
 from firstcontact.search.trees.tree import FACET
 
 # A bare edge among the facets at a point.
@@ -57,7 +57,7 @@ class _Star:
         self.arcs.append((self.index(first), self.index(second), side))
 
 
-def cones_overlap(resting: Resting, pair: tuple[Feature, Feature]) -> bool:
+def cones_overlap(resting: RestingVertices, pair: tuple[Feature, Feature]) -> bool:
     """Whether near the point that the two elements share some point of one body lies in the interior of the other.
 
     pair: as from `shared_points`.  A wall, a facet that a solid has twice, counts as a part of it.
@@ -66,7 +66,7 @@ def cones_overlap(resting: Resting, pair: tuple[Feature, Feature]) -> bool:
     return _exactly(resting, _place(resting, pair)) if found is None else found
 
 
-def _place(resting: Resting, pair: tuple[Feature, Feature]) -> Vector:
+def _place(resting: RestingVertices, pair: tuple[Feature, Feature]) -> Vector:
     """The point."""
     x, y = (corners_of(body, element) for body, element in zip(resting.bodies, pair, strict=True))
     if len(x) == 1 or len(y) == 1:
@@ -79,7 +79,7 @@ def _place(resting: Resting, pair: tuple[Feature, Feature]) -> Vector:
 # -- stars of points, and whether kernels can tell ------------------------------------------------------------
 
 
-def _at_vertex(resting: Resting, pair: tuple[Feature, Feature]) -> bool | None:
+def _at_vertex(resting: RestingVertices, pair: tuple[Feature, Feature]) -> bool | None:
     """None where doubles do not hold what is asked."""
     if not resting.is_exact:
         return None
@@ -100,7 +100,7 @@ def _at_vertex(resting: Resting, pair: tuple[Feature, Feature]) -> bool | None:
     return _told(resting, star, x)
 
 
-def _at_crossing(resting: Resting, pair: tuple[Feature, Feature]) -> bool | None:
+def _at_crossing(resting: RestingVertices, pair: tuple[Feature, Feature]) -> bool | None:
     """None where doubles do not hold what is asked, or more than the facets around the two edges meets there."""
     if not resting.is_exact:
         return None
@@ -126,7 +126,7 @@ def _at_crossing(resting: Resting, pair: tuple[Feature, Feature]) -> bool | None
 
 
 def _facets_near(
-    resting: Resting, side: int, x: int, err: float, room: np.ndarray
+    resting: RestingVertices, side: int, x: int, err: float, room: np.ndarray
 ) -> list[tuple[int, int]]:
     """(primitive, where the point is on it) of all that hold the point or may."""
     tree, out = resting.trees[side], np.empty((64, 2), np.int64)
@@ -179,7 +179,7 @@ def _holding(boxes, links, ids, corners, first, high, low, err, room, x, place, 
     return n
 
 
-def _told(resting: Resting, star: _Star, x: int | Vector) -> bool | None:
+def _told(resting: RestingVertices, star: _Star, x: int | Vector) -> bool | None:
     """Whether the cones overlap, by signs of kernels; None where one is in doubt."""
     axis = _steepest(resting, star)
     directions, arcs = np.array(list(star.directions)), np.array(star.arcs, np.int64).reshape(-1, 3)
@@ -192,12 +192,12 @@ def _told(resting: Resting, star: _Star, x: int | Vector) -> bool | None:
     return bool(_regions_meet(*tables[:3], arcs, np.empty((0, 2), np.int64), *inside, *_solid(resting)))
 
 
-def _solid(resting: Resting) -> tuple[bool, bool]:
+def _solid(resting: RestingVertices) -> tuple[bool, bool]:
     a, b = resting.bodies
     return a.solid, b.solid
 
 
-def _steepest(resting: Resting, star: _Star) -> int:
+def _steepest(resting: RestingVertices, star: _Star) -> int:
     """The axis that goes most steeply through the largest facet: rays along facets would meet many."""
     largest, axis = -1.0, 0
     for (axes, areas), facets in zip(resting.steepness, star.facets, strict=True):
@@ -207,7 +207,7 @@ def _steepest(resting: Resting, star: _Star) -> int:
     return axis
 
 
-def _is_inside(resting: Resting, side: int, x: int | Vector, facets: list[int], axis: int) -> bool:
+def _is_inside(resting: RestingVertices, side: int, x: int | Vector, facets: list[int], axis: int) -> bool:
     """Whether points next to x in the direction g lie inside the body; facets: those that hold x."""
     body, tree = resting.bodies[side], resting.trees[side]
     if isinstance(x, int):
@@ -252,7 +252,7 @@ def _tables(high, low, err, room, axis, directions, arcs):
 # -- stars of vectors -----------------------------------------------------------------------------------------
 
 
-def _exactly(resting: Resting, x: Vector) -> bool:
+def _exactly(resting: RestingVertices, x: Vector) -> bool:
     """Whether the cones overlap, in exact numbers."""
     star = _Star()
     p = np.array([to_double(c) for c in x])

@@ -51,7 +51,7 @@ _ODD_DENOMINATOR = Kept[fmpz]()
 PAIR_BYTES = 300
 
 
-class Resting:
+class RestingVertices:
     """Two bodies at rest, their vertices one behind the other, and one point more.
 
     places   as the trees have them
@@ -229,7 +229,7 @@ def _cross(high, low, err, room, p, q, r, s):
 # -- all of them ----------------------------------------------------------------------------------------------
 
 
-def shared_points(resting: Resting) -> list[tuple[Feature, Feature]] | None:
+def shared_points(resting: RestingVertices) -> list[tuple[Feature, Feature]] | None:
     """The pairs (vertex, facet), (facet, vertex) and (edge, edge) that share such a point, each point at least once.
 
     A vertex on an edge that bounds no facet is told as such a pair.  None: an edge passes through a facet.
@@ -264,7 +264,7 @@ def _one_each(pairs: set[tuple[Feature, Feature]]) -> list[tuple[Feature, Featur
 
 
 def _decided(
-    resting: Resting, kind: int, x: Feature, y: Feature
+    resting: RestingVertices, kind: int, x: Feature, y: Feature
 ) -> list[tuple[Feature, Feature]] | None:
     """The points that a pair in doubt shares, in exact numbers; None: the edge passes through the facet."""
     a, b = resting.bodies
@@ -288,7 +288,7 @@ def _decided(
     return [(edge, found) if kind == PIERCING else (found, edge) for found in met]
 
 
-def _search(resting: Resting) -> Iterator[np.ndarray]:
+def _search(resting: RestingVertices) -> Iterator[np.ndarray]:
     """Rows (kind, index in a, index in b) of what the kernel finds."""
     (a, b), (tree_a, tree_b) = resting.bodies, resting.trees
     state = np.array([1, 0, 0])

@@ -34,9 +34,9 @@ from firstcontact.search.levels.composed import (
     WANTED,
     WAY,
     WIDTH,
+    EdgeQueries,
     Levels,
     Plan,
-    Questions,
     add_tree,
     ask_levels,
     empty_levels,
@@ -87,7 +87,7 @@ class Frame:
         return found[0], found[1], found[2]
 
 
-class Resting:
+class RestingLevels:
     """Edges at rest in levels of trees, for one kind of conjunctions."""
 
     def __init__(self, features: Features, count: int, parts: np.ndarray) -> None:
@@ -125,7 +125,7 @@ class Resting:
         self.levels = room_for_tree(self.levels, last - first)
         return int(add_tree(self.vectors[feature], first, last, self.levels))
 
-    def questions(self, conjunctions: tuple[Conjunction, ...], parts: np.ndarray) -> Questions:
+    def questions(self, conjunctions: tuple[Conjunction, ...], parts: np.ndarray) -> EdgeQueries:
         """The forms of the conjunctions of moving edges with these parts (k, 2), and how far each may be off.
 
         A form's value at a node may be off by the errors of either vector, and by 2^-44 of the sizes for its roundings:
@@ -144,7 +144,7 @@ class Resting:
                 total += np.abs(out[:, j, k])
                 slacks[:, j] += off * (size[k] + error[k]) + np.abs(out[:, j, k]) * error[k]
             slacks[:, j] = slacks[:, j] * (1.0 + 1e-12) + 2.0**-44 * total * size.max()
-        return Questions(out, slacks, parts)
+        return EdgeQueries(out, slacks, parts)
 
 
 def _distinct(conjunctions: tuple[Conjunction, ...]) -> list[Form]:
@@ -179,17 +179,17 @@ def plan_of(conjunctions: tuple[Conjunction, ...], names: list[str]) -> Plan:
 
 
 @dataclass(slots=True)
-class Group:
+class EdgeGroup:
     """Moving edges (k of them) that ask one set of resting edges; `conjunctions` of some of them, by their indices."""
 
-    resting: Resting
+    resting: RestingLevels
     parts: np.ndarray
     conjunctions: Callable[[slice, int], tuple[Conjunction, ...]]
 
 
 def translation_groups(
     moving: Elements, resting: Elements, frame: Frame, v: np.ndarray, last: Callable[[], float]
-) -> list[Group]:
+) -> list[EdgeGroup]:
     """v (3,): the velocity, rounded once; last: the time until which the moving edges ask."""
     if not len(moving.parts) or not len(resting.parts):
         return []
@@ -201,11 +201,13 @@ def translation_groups(
     def conjunctions(chosen: slice, arc: int) -> tuple[Conjunction, ...]:
         return translation_conjunctions(_some(a, chosen), _some(b, chosen), way, np.float64(last()))
 
-    asked = Resting(translation_features(c, d), len(resting.parts), resting.parts)
-    return [Group(asked, moving.parts, conjunctions)]
+    asked = RestingLevels(translation_features(c, d), len(resting.parts), resting.parts)
+    return [EdgeGroup(asked, moving.parts, conjunctions)]
 
 
-def rotation_groups(moving: Elements, resting: Elements, frame: Frame, tangent: Callable[[int], float]) -> list[Group]:
+def rotation_groups(
+    moving: Elements, resting: Elements, frame: Frame, tangent: Callable[[int], float]
+) -> list[EdgeGroup]:
     """tangent(arc): of half the angle until which the moving edges ask, from the beginning of the arc on.
 
     The conditions on heights suit edges that surely rise; of others the conditions on the time alone are asked.
@@ -218,7 +220,7 @@ def rotation_groups(moving: Elements, resting: Elements, frame: Frame, tangent: 
             full = rising_a and rising_b
             features = rotation_features(c, d)
             kept = features if full else {"line": features["line"]}
-            groups.append(Group(Resting(kept, len(y.parts), y.parts), x.parts, _turned(a, b, tangent, full)))
+            groups.append(EdgeGroup(RestingLevels(kept, len(y.parts), y.parts), x.parts, _turned(a, b, tangent, full)))
     return groups
 
 
@@ -261,7 +263,7 @@ def _some(p: Point, chosen: slice) -> Any:
 class Worker:
     """One thread's share of a round: its questions, its place among them, and what it has found."""
 
-    questions: Questions
+    questions: EdgeQueries
     asked: np.ndarray
     finds: Finds
     place: np.ndarray = field(default_factory=lambda: np.zeros(PLACE, np.int64))
@@ -275,7 +277,7 @@ class Worker:
 class Composed:
     """The search among edges; `work`: arguments of the pair test that stay (motion, parts, errors, sides)."""
 
-    groups: list[Group]
+    groups: list[EdgeGroup]
     work: tuple[Any, ...]
     threads: int = 1
     workers: list[Worker] = field(default_factory=list)
@@ -304,7 +306,7 @@ class Composed:
             if integers[CANDIDATES]:
                 return DECIDE
 
-    def _share_out(self, group: Group, first: int, arc: int, state: WalkState) -> bool:
+    def _share_out(self, group: EdgeGroup, first: int, arc: int, state: WalkState) -> bool:
         """Begin the round at the moving edge `first`; False when there is none."""
         last = min(len(group.parts), max(FIRST_ROUND, 2 * first))
         if first >= last:
@@ -315,18 +317,18 @@ class Composed:
         questions = group.resting.questions(conjunctions, group.parts[first:last])
         ends = np.linspace(0, last - first, min(self.threads, last - first) + 1).astype(int)
         for lo, hi in zip(ends, ends[1:], strict=False):
-            share = Questions(*(np.ascontiguousarray(x[lo:hi]) for x in questions))
+            share = EdgeQueries(*(np.ascontiguousarray(x[lo:hi]) for x in questions))
             asked = np.full(group.resting.count, -1, np.int32)
             self.workers.append(Worker(share, asked, Finds(state)))
         return True
 
-    def _work_on(self, resting: Resting, limit: int) -> None:
+    def _work_on(self, resting: RestingLevels, limit: int) -> None:
         """Let every worker go on with its share; limit: node visits of all together."""
         waiting = [worker for worker in self.workers if not worker.is_done()]
         allowed = max(1, limit // len(waiting))
         shared(lambda worker: self._run(worker, resting, allowed), waiting, self.threads)
 
-    def _run(self, worker: Worker, resting: Resting, limit: int) -> None:
+    def _run(self, worker: Worker, resting: RestingLevels, limit: int) -> None:
         """Ask until the share is done, the limit is reached or candidates fill the worker's room."""
         assert resting.plan is not None
         finds = worker.finds

@@ -16,7 +16,7 @@ from firstcontact.contact.polyhedra.earliest import SOON
 from firstcontact.contact.polyhedra.generic_turns import Rows, relative_pose
 from firstcontact.contact.polyhedra.planar import BeginsNothing, generic_poses, has_walls, normal_of_motion
 from firstcontact.contact.polyhedra.problems.curved_problem import Corners, CurvedProblem, element_pairs, ids_of
-from firstcontact.exact.fields.conditions import Conditions
+from firstcontact.exact.fields.conditions import ParameterConditions
 from firstcontact.exact.numbers import (
     PRECISIONS,
     Undecidable,
@@ -35,7 +35,7 @@ from firstcontact.exact.times.instants import RationalInstant, enclose
 from firstcontact.exact.vectors import Vector, cross, sub
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.relative.curved import CurvedPiece, inverse, terms
-from firstcontact.motion.relative.kept_heights import Heights, Times, heights_in, times_level
+from firstcontact.motion.relative.kept_heights import KeptHeights, Times, heights_in, times_level
 from firstcontact.pairs.elements import moving
 from firstcontact.result import ExactTime
 from firstcontact.search.trees import curve, curve_windows
@@ -95,7 +95,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         self._kept_poses: dict[tuple[fmpq, fmpq, int], list[tuple[Rows, Rows]]] = {}
         self._poses_at: dict[fmpq, tuple[Rows, Rows, bool] | None] = {}
         self._directions: dict[tuple[Any, ...], Vector | None] = {}
-        self._heights: dict[int, tuple[Heights, Heights] | None] = {}
+        self._heights: dict[int, tuple[KeptHeights, KeptHeights] | None] = {}
 
     @cached_property
     def _generic(self) -> tuple[Rows, Rows] | None:
@@ -120,7 +120,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
             raise BeginsNothing if self._have_walls else Undecidable
         return [[not p for p in (*c.least, *c.more)] for c in parts]
 
-    def conditions(self, pair: Corners, pose: Rows, back: Rows) -> list[Conditions]:
+    def conditions(self, pair: Corners, pose: Rows, back: Rows) -> list[ParameterConditions]:
         """When the two elements share a point, but for parallel edges; power series in the time."""
         x, y = pair
         if len(x) == 1:
@@ -331,7 +331,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
 
     # -- times that are rational ----------------------------------------------------------------------------
 
-    def _rational_contact(self, pair: Corners, index: int, root: arb, at: Conditions) -> Any:
+    def _rational_contact(self, pair: Corners, index: int, root: arb, at: ParameterConditions) -> Any:
         """The time of contact where it is a rational one of few bits, or an end of the piece, in the ball `root`.
 
         None: there is no contact; OPEN: it is not proved that the equation holds at that time.
@@ -368,13 +368,13 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
             self._poses_at[time] = relative_pose(self.piece.leg_a.place(there), self.piece.leg_b.place(there))
         return self._poses_at[time]
 
-    def _conditions_over(self, pair: Corners, left: fmpq, right: fmpq) -> list[Conditions]:
+    def _conditions_over(self, pair: Corners, left: fmpq, right: fmpq) -> list[ParameterConditions]:
         """The conditions as series about the middle of a time, their last terms enclosing the rest."""
         with terms(_TERMS, ctx.prec):
             poses = self._poses_over(left, right)
             sharp, blurred = (self.conditions(pair, *pose) for pose in poses)
         return [
-            Conditions(*(  # type: ignore[arg-type]
+            ParameterConditions(*(  # type: ignore[arg-type]
                 tuple(_joined(f, g) for f, g in zip(getattr(c, name), getattr(d, name), strict=True))
                 for name in ("zero", "least", "more")
             ))

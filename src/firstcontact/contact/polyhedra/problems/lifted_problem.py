@@ -15,7 +15,7 @@ from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.contact.polyhedra.problems.translation_problem import TranslationProblem
 from firstcontact.kernels.lifted.meridians import may_meet_turning
 from firstcontact.kernels.lifted.swept_cell import edge_distances
-from firstcontact.search.lifted.facet_halving import Facets, Paths
+from firstcontact.search.lifted.facet_halving import FacetTables, Paths
 from firstcontact.search.lifted.halving import Edges, Room, larger, room_for
 from firstcontact.search.lifted.lifted_elements import (
     WAY,
@@ -26,7 +26,7 @@ from firstcontact.search.lifted.lifted_elements import (
     frame_of,
     lift,
 )
-from firstcontact.search.lifted.lifted_walk import Body, lifted_walk
+from firstcontact.search.lifted.lifted_walk import LiftedBody, lifted_walk
 from firstcontact.search.trees.state import CROWDED, WalkState
 from firstcontact.search.trees.tree import FACET, POINT, Tree
 
@@ -41,11 +41,11 @@ class Lifted:
 
 
 @dataclass(slots=True)
-class Scratch:
+class LiftedScratch:
     """Of one search."""
 
-    a: Body
-    b: Body
+    a: LiftedBody
+    b: LiftedBody
     frame: tuple[np.ndarray, float]
     room: Room
 
@@ -57,7 +57,7 @@ def advance_lifted(problem: ByEngine, state: WalkState, limit: int) -> int:
     return walk_lifted(problem, state.scratch, state, limit)
 
 
-def lifted_scratch(problem: ByEngine) -> Scratch:
+def lifted_scratch(problem: ByEngine) -> LiftedScratch:
     frame = frame_of(problem.tree_b)
     of_a, of_b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
     motion, _, _ = motion_of(problem)
@@ -65,11 +65,11 @@ def lifted_scratch(problem: ByEngine) -> Scratch:
     a = _body(of_a, of_b, problem.tree_a, frame, motion, meets_a)
     b = _body(of_b, of_a, problem.tree_b, frame, motion, meets_b)
     most = (max(len(x.edges.parts), len(x.corners.parts), len(x.facets.parts)) for x in (a, b))
-    return Scratch(a, b, frame, room_for(*most))
+    return LiftedScratch(a, b, frame, room_for(*most))
 
 
 def walk_lifted(
-    problem: ByEngine, scratch: Scratch, state: WalkState, limit: int,
+    problem: ByEngine, scratch: LiftedScratch, state: WalkState, limit: int,
     searches: Mapping[int, Callable[[int], int]] = MappingProxyType({}),
 ) -> int:  # fmt: skip
     """`lifted_walk` of the problem."""
@@ -101,7 +101,7 @@ def _parts_that_may_meet(problem: ByEngine) -> tuple[np.ndarray, np.ndarray]:
 
 def _body(
     whole: Lifted, other: Lifted, tree: Tree, frame: tuple[np.ndarray, float], motion: np.ndarray, meets: np.ndarray
-) -> Body:
+) -> LiftedBody:
     """The elements of the body's parts that may meet the other one, with lines and planes in the frame."""
     of = Lifted(*(_of_parts(x, meets) for x in (whole.edges, whole.corners, whole.facets)))
     corners, parts = of.edges.corners, of.edges.parts
@@ -111,9 +111,9 @@ def _body(
     lines, boxes, sizes, _ = lift(corners, False, *frame, WAY)
     edges = Edges(lines, boxes, sizes, corners, parts, edge_distances(corners, motion))
     sides, boxes, sizes, planes = lift(of.facets.corners, True, *frame, WAY)
-    facets = Facets(sides, planes, boxes, sizes, of.facets.corners, of.facets.parts)
+    facets = FacetTables(sides, planes, boxes, sizes, of.facets.corners, of.facets.parts)
     vertices = Paths(of.corners.corners, np.zeros((0, 6)), of.corners.parts)
-    return Body(edges, Paths(corners, lines, parts), vertices, facets, tree.xyz)
+    return LiftedBody(edges, Paths(corners, lines, parts), vertices, facets, tree.xyz)
 
 
 def _of_parts(elements: Elements, meets: np.ndarray) -> Elements:

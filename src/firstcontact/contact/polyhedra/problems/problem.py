@@ -17,7 +17,7 @@ from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.balls_apart import Ball, are_apart
 from firstcontact.motion.relative.curved import CurvedPiece
-from firstcontact.motion.relative.pieces import Piece, by_motions, in_few_turns
+from firstcontact.motion.relative.pieces import MotionPiece, by_motions, in_few_turns
 from firstcontact.work import Work
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ Body = Polyhedron | Moving
 _BALL = Kept[Ball]()
 
 
-def problem_of(a: Body, b: Body, piece: Piece | CurvedPiece, engine: str = "boxes", threads: int = 1) -> Problem:
+def problem_of(a: Body, b: Body, piece: MotionPiece | CurvedPiece, engine: str = "boxes", threads: int = 1) -> Problem:
     """The search problem of the piece, both bodies placed at its reference time."""
     if isinstance(piece, CurvedPiece):
         from firstcontact.contact.polyhedra.problems.enclosed_problem import EnclosedProblem
@@ -50,15 +50,15 @@ def problem_of(a: Body, b: Body, piece: Piece | CurvedPiece, engine: str = "boxe
 
 
 def problems_in_order(
-    a: Body, b: Body, parts: Sequence[Piece | CurvedPiece], engine: str = "boxes", threads: int = 1,
+    a: Body, b: Body, parts: Sequence[MotionPiece | CurvedPiece], engine: str = "boxes", threads: int = 1,
     work: Work | None = None,
 ) -> Iterator[tuple[Searched, bool]]:
     """The problems to search one after the other, and whether the bodies may share points from its beginning on.
 
     That is so in the first one, in which both bodies stand as the span starts, and after a jump.  Raises Spent.
     """
-    before: Piece | CurvedPiece | None = None
-    straight = len(parts) == 1 and isinstance(parts[0], Piece) and parts[0].velocity is not None
+    before: MotionPiece | CurvedPiece | None = None
+    straight = len(parts) == 1 and isinstance(parts[0], MotionPiece) and parts[0].velocity is not None
     for piece in stretches(a, b, parts, work or Work()):
         if not straight and _may_be_skipped(a, b, piece):  # one translation is searched as quickly
             before = piece
@@ -77,7 +77,9 @@ def problems_in_order(
         before = piece
 
 
-def stretches(a: Body, b: Body, parts: Sequence[Piece | CurvedPiece], work: Work) -> Iterator[Piece | CurvedPiece]:
+def stretches(
+    a: Body, b: Body, parts: Sequence[MotionPiece | CurvedPiece], work: Work
+) -> Iterator[MotionPiece | CurvedPiece]:
     """The pieces, curved ones of many turns cut; what is cut off counts as work, however little there is to search.
 
     Raises Spent.
@@ -98,7 +100,7 @@ def stretches(a: Body, b: Body, parts: Sequence[Piece | CurvedPiece], work: Work
             yield piece
 
 
-def _may_be_skipped(a: Body, b: Body, piece: Piece | CurvedPiece) -> bool:
+def _may_be_skipped(a: Body, b: Body, piece: MotionPiece | CurvedPiece) -> bool:
     """True proves that the bodies share no point during the piece, told by the motions themselves."""
     curved = piece if isinstance(piece, CurvedPiece) else by_motions(a, b, piece)
     return curved is not None and far_apart(a, b, curved)
@@ -116,7 +118,7 @@ def _ball_of(body: Polyhedron) -> Ball:
 
 def _simple_problems(a: Body, b: Body, problem: Any, with_start: bool) -> Iterator[tuple[Searched, bool]]:
     """The problems of a translation or rotation."""
-    piece: Piece = problem.piece
+    piece: MotionPiece = problem.piece
     if piece.reference == piece.start:
         yield problem, with_start
         return
@@ -129,11 +131,11 @@ def _simple_problems(a: Body, b: Body, problem: Any, with_start: bool) -> Iterat
         yield part, False
 
 
-def piece_at_start(piece: CurvedPiece) -> Piece:
+def piece_at_start(piece: CurvedPiece) -> MotionPiece:
     """The instant in which a curved piece starts, both bodies as they stand in the world then."""
     zero = fmpq(0), fmpq(0), fmpq(0)
     rate = fmpq(0), fmpq(0)
-    return Piece(piece.start, piece.start, piece.start, *piece.placed_at_start(), zero, None, None, rate)
+    return MotionPiece(piece.start, piece.start, piece.start, *piece.placed_at_start(), zero, None, None, rate)
 
 
 def _boxes_apart(a: Polyhedron, b: Polyhedron) -> bool:
@@ -144,6 +146,6 @@ def _boxes_apart(a: Polyhedron, b: Polyhedron) -> bool:
     return bool(np.any(lo_a > hi_b + pad) or np.any(lo_b > hi_a + pad))
 
 
-def _placed(a: Body, b: Body, piece: Piece) -> tuple[Polyhedron, Polyhedron]:
+def _placed(a: Body, b: Body, piece: MotionPiece) -> tuple[Polyhedron, Polyhedron]:
     body_a, body_b = (shape_of(body) for body in (a, b))
     return piece.place_a.place(body_a), piece.place_b.place(body_b)

@@ -11,7 +11,7 @@ from flint import ctx, fmpz, fmpz_poly
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.problems.curved_problem import Corners, CurvedProblem
-from firstcontact.exact.fields.conditions import Conditions, between, distinct
+from firstcontact.exact.fields.conditions import ParameterConditions, between, distinct
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.rigid import Matrix
@@ -44,7 +44,7 @@ class RationalProblem(CurvedProblem[RootInstant]):
         """The pose of b seen from a."""
         return projective.inverse(self.path.pose, self.lo)
 
-    def conditions(self, pair: Corners) -> list[Conditions]:
+    def conditions(self, pair: Corners) -> list[ParameterConditions]:
         """When the two elements share a point: when one of these holds."""
         scale, corners = whole(*pair[0], *pair[1])
         x, y = corners[: len(pair[0])], corners[len(pair[0]) :]
@@ -64,7 +64,7 @@ class RationalProblem(CurvedProblem[RootInstant]):
         weight = self.path.pose[3][3]
         return p // p.gcd(weight) if weight.degree() > 0 and p else p
 
-    def _edges(self, x: list[Vector], y: list[Vector], scale: fmpz) -> list[Conditions]:
+    def _edges(self, x: list[Vector], y: list[Vector], scale: fmpz) -> list[ParameterConditions]:
         """Edges that cross, and where that is not all, ends of one on the other."""
         pose = self.path.pose
         start = moving.times(pose, x[0], scale)
@@ -78,7 +78,7 @@ class RationalProblem(CurvedProblem[RootInstant]):
             found += moving.vertex_edge(moving.times(self.back, p, scale), *x)
         return found
 
-    def _parallel_at_events(self, crossing: Conditions) -> bool:
+    def _parallel_at_events(self, crossing: ParameterConditions) -> bool:
         common = crossing.zero[0].gcd(crossing.more[0])
         return common.degree() > 0 and bool(real_roots(common, self.lo, self.hi))
 

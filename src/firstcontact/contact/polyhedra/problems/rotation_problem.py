@@ -44,7 +44,7 @@ from firstcontact.exact.times.instants import (
 from firstcontact.exact.times.turning import Axis
 from firstcontact.exact.vectors import Vector, divisible, scaled, sub, whole
 from firstcontact.kernels.angle import TWO_PI
-from firstcontact.motion.relative.pieces import Piece
+from firstcontact.motion.relative.pieces import MotionPiece
 from firstcontact.motion.rotation import angle_ball
 from firstcontact.pairs.elements import coplanar, line_line_rotation, point_plane_rotation, segment_facet
 from firstcontact.pairs.elements.point_line_rotation import Contact
@@ -84,7 +84,7 @@ class RotationProblem(ByEngine):
     angle `opening` of the first turn; the problem searches that turn from zero, its `parts` from there.
     """
 
-    def __init__(self, a: Polyhedron, b: Polyhedron, piece: Piece) -> None:
+    def __init__(self, a: Polyhedron, b: Polyhedron, piece: MotionPiece) -> None:
         assert piece.axis is not None and piece.point is not None
         self.a, self.b, self.piece = a, b, piece
         self.is_exact = a.irrational_pose is None and b.irrational_pose is None

@@ -19,7 +19,7 @@ from firstcontact.kernels.angle import TWO_PI
 from firstcontact.search.lifted.lifted_elements import Elements, corners_of_tree, facets_of
 from firstcontact.search.lifted.lifted_walk import CORNERS, FACETS
 from firstcontact.search.sweep.sheets import sheets_of
-from firstcontact.search.sweep.sweep import LARGEST_GROUP, LOST, Cells, Order, cells_of, order_of, sweep_group
+from firstcontact.search.sweep.sweep import LARGEST_GROUP, LOST, GroupCells, Order, cells_of, order_of, sweep_group
 from firstcontact.search.trees.frame import frame_of
 from firstcontact.search.trees.rounds import Finds, shared
 from firstcontact.search.trees.state import CANDIDATES, DECIDE, DONE, FULL, QUERY, SLICE_SPENT, VISITS, WalkState
@@ -37,7 +37,7 @@ _ROUNDING, _FARTHEST, _LEAST = 2.0**-48, 4096.0, 2.0**40
 
 
 @dataclass(slots=True)
-class Side:
+class SweepSide:
     """Vertices (k, 4) of one body in the order of the sweep (x, y, height, number) and facets (f, 3, 3) of the other.
 
     noise: how far coordinates in the frame may be off.  pace: heights per unit of time.  turning: heights are angles.
@@ -52,7 +52,7 @@ class Side:
     swapped: bool
     turning: bool
 
-    def group(self, k: int) -> tuple[Cells, Order, np.ndarray, float]:
+    def group(self, k: int) -> tuple[GroupCells, Order, np.ndarray, float]:
         """Cells, their order, the parts of sheets, and by how much any two heights may be out of order."""
         chosen = slice(k * self.size, (k + 1) * self.size)
         facets, parts = self.facets[chosen], self.parts[chosen]
@@ -63,7 +63,7 @@ class Side:
             sheets, x, arcs, heights, tolerances = cells_of(facets, self.noise)
             # neighbours are in order but for their tolerances: any two, but for those of all between
             slacks = 2.0 * tolerances
-        cells = Cells(sheets, x, arcs)
+        cells = GroupCells(sheets, x, arcs)
         order = Order(heights, *order_of(cells, heights, tolerances))
         return cells, order, parts, float(slacks[~order.loose].sum()) + 64.0 * self.noise
 
@@ -78,10 +78,10 @@ class Side:
 
 
 @dataclass(slots=True)
-class Swept:
+class SweptProblem:
     """The search among vertices and facets; `work`: arguments of the pair test that stay (motion, parts, errors)."""
 
-    sides: dict[int, Side]
+    sides: dict[int, SweepSide]
     work: tuple[Any, ...]
     threads: int
 
@@ -104,7 +104,7 @@ class Swept:
         del self.sides[phase]
         return DONE
 
-    def _sweep(self, side: Side, k: int, finds: Finds) -> None:
+    def _sweep(self, side: SweepSide, k: int, finds: Finds) -> None:
         cells, order, parts, tolerance = side.group(k)
         starts, ends = (np.argsort(cells.x[:, i]) for i in range(2))
         first, last = cells.x[starts[0], 0], cells.x[ends[-1], 1]
@@ -132,7 +132,7 @@ def advance_sweep(problem: ByEngine, state: WalkState, limit: int) -> int:
             CORNERS: side(a, b, motion, 1.0, sum(errors)),
             FACETS: side(b, a, motion, -1.0, sum(errors)),
         }
-        state.scratch = lifted_scratch(problem), Swept(sides, (motion, a.xyz, b.xyz, *errors), problem.threads)
+        state.scratch = lifted_scratch(problem), SweptProblem(sides, (motion, a.xyz, b.xyz, *errors), problem.threads)
     scratch, swept = state.scratch
     searches = {}
     motion = motion_of(problem)[0]
@@ -141,31 +141,31 @@ def advance_sweep(problem: ByEngine, state: WalkState, limit: int) -> int:
     return walk_lifted(problem, scratch, state, limit, searches)
 
 
-def _side(moving: Tree, resting: Tree, motion: np.ndarray, sense: float, error: float) -> Side:
+def _side(moving: Tree, resting: Tree, motion: np.ndarray, sense: float, error: float) -> SweepSide:
     """The vertices of one tree, as they move against the other one, and the facets of that one."""
     found, faced, parts, facets, points = _vertices_and_facets(moving, resting)
     v = sense * motion[0, 6:9]
     speed = float(np.abs(v).max(initial=0.0))
     if not len(facets) or not len(points) or speed == 0.0:
-        return Side(np.empty((0, 4)), found.parts, facets, faced.parts, 0.0, 1.0, sense < 0.0, False)
+        return SweepSide(np.empty((0, 4)), found.parts, facets, faced.parts, 0.0, 1.0, sense < 0.0, False)
     frame = np.array(frame_of(tuple((v / speed).tolist())), float)
     frame[:2] = np.array([[math.cos(_TURN), math.sin(_TURN)], [-math.sin(_TURN), math.cos(_TURN)]]) @ frame[:2]
     origin = 0.5 * (facets.min(axis=(0, 1)) + facets.max(axis=(0, 1)))
     far = float(max(np.abs(facets - origin).max(), np.abs(points - origin).max()))
     scale = max(float(np.abs(facets - origin).max()), far / _FARTHEST, _LEAST * error, 1e-300)
     noise = _ROUNDING * (4.0 + far / scale) + 4.0 * error / scale
-    return Side(
+    return SweepSide(
         _in_order((points - origin) @ frame.T / scale), found.parts,
         np.ascontiguousarray((facets - origin) @ frame.T / scale), parts,
         noise, float(frame[2] @ v) / scale, sense < 0.0, False,
     )  # fmt: skip
 
 
-def _side_about(moving: Tree, resting: Tree, motion: np.ndarray, sense: float, error: float) -> Side:
+def _side_about(moving: Tree, resting: Tree, motion: np.ndarray, sense: float, error: float) -> SweepSide:
     """The same for a rotation.  What turns backward turns forward in the mirror image y -> -y."""
     found, faced, parts, facets, points = _vertices_and_facets(moving, resting)
     if not len(facets) or not len(points):
-        return Side(np.empty((0, 4)), found.parts, facets, faced.parts, 0.0, 1.0, sense < 0.0, True)
+        return SweepSide(np.empty((0, 4)), found.parts, facets, faced.parts, 0.0, 1.0, sense < 0.0, True)
     low, high = float(facets[..., 2].min()), float(facets[..., 2].max())
     origin = np.array([motion[-1, 0], motion[-1, 1], 0.5 * (low + high)])
     facets, points = ((x - origin) * np.array([1.0, sense, 1.0]) for x in (facets, points))
@@ -175,7 +175,7 @@ def _side_about(moving: Tree, resting: Tree, motion: np.ndarray, sense: float, e
     x, y = points[:, 0], points[:, 1]
     seen = np.column_stack([points[:, 2], x * x + y * y, np.arctan2(y, x) % TWO_PI])
     noise = _ROUNDING * (1.0 + max(abs(low), abs(high)) / along) + 4.0 * error / min(across, along)
-    return Side(
+    return SweepSide(
         _in_order(seen), found.parts, np.ascontiguousarray(facets), parts, noise, 1.0, sense < 0.0, True
     )  # fmt: skip
 

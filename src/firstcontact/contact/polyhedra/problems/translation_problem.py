@@ -19,7 +19,7 @@ from firstcontact.exact.rigid import Matrix, shift
 from firstcontact.exact.times.instants import RationalInstant, enclose
 from firstcontact.exact.times.windows import ALWAYS, Window, clip, hull
 from firstcontact.exact.vectors import Vector, scaled
-from firstcontact.motion.relative.pieces import Piece
+from firstcontact.motion.relative.pieces import MotionPiece
 from firstcontact.pairs.elements import coplanar, line_line, point_plane, segment_facet
 from firstcontact.pairs.elements.separated import are_apart
 from firstcontact.search.trees import translate
@@ -47,7 +47,7 @@ class TranslationProblem(ByEngine):
 
     begin = 0.0, 0.0
 
-    def __init__(self, a: Polyhedron, b: Polyhedron, piece: Piece) -> None:
+    def __init__(self, a: Polyhedron, b: Polyhedron, piece: MotionPiece) -> None:
         assert piece.velocity is not None
         self.a, self.b, self.piece = a, b, piece
         self.v, self._doubles = piece.velocity, [to_double(x) for x in piece.velocity]
