@@ -124,3 +124,34 @@ def test_what_needs_an_end():
         fc.first_contact(PIN.moving(fc.Screw((0, 0, 1), degrees=9, advance=1)), falling, ENDLESS)
     with pytest.raises(fc.InputError, match="deforms"):
         fc.first_contact(fc.RuledSurface("(u, 0, T)", "(u, 1, u)"), SHEET, ENDLESS)
+
+
+ABOVE_FLOOR = [
+    fc.Polyhedron([(0, 0, -3)], []), fc.Polyhedron([(0, 0, -3), (1, 0, -3), (0, 1, -3)], [[0, 1, 2]]),
+    fc.sphere(1).translated((0, 0, -2)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("verb", [fc.first_contact, fc.contact_intervals])
+@pytest.mark.parametrize("other", ABOVE_FLOOR)
+def test_an_endless_solid_that_moves(verb, other):
+    """Found from outside: it was refused before meshes, though it was taken at rest."""
+    floor = fc.half_space((0, 0, 1), -5)
+    for motion, time in (
+        (fc.Translation((0, 0, 4)), 0.5), (fc.Screw((0, 0, 1), degrees=90, advance=4), 0.5),
+        # about the line y = 4, z = -4: the point is at (-4, 1) from there when 4 sin + cos = -1
+        (fc.Rotation((1, 0, 0), (0, 4, -4), degrees=-60), np.degrees(2 * np.arctan(0.25)) / 60),
+    ):  # fmt: skip
+        if isinstance(motion, fc.Rotation) and not isinstance(other, fc.Polyhedron):
+            continue
+        found = verb(floor.moving(motion), other)
+        at = found.time_interval if verb is fc.first_contact else found.intervals[0].start_interval
+        assert found.status is fc.Status.CONTACT and at[0] - 1e-15 <= time <= at[1] + 1e-15
+    assert verb(floor.moving(fc.Rotation((1, 0, 0), (0, 4, -4), degrees=60)), other).status is fc.Status.FREE
+
+
+def test_what_has_no_end_and_goes_astray_is_told():
+    floor, drop = fc.half_space((0, 0, 1), -5, name="floor"), fc.Polyhedron([(0, 0, -3)], [])
+    steps = fc.Sequence([fc.Translation((0, 0, 1)), fc.Translation((0, 0, 3))])
+    with pytest.raises(fc.UnsupportedPair, match="floor has no end and moves; let it rest"):
+        fc.first_contact(floor.moving(steps), drop)

@@ -95,10 +95,13 @@ class HoledSearch(MeshSearch):
     def __init__(
         self, mesh: Polyhedron, model: CompositeQuadric, mesh_is_a: bool, budget: int | None, progress: Progress | None
     ) -> None:
+        who = model.name or "a model"
+        if not model.bounded:  # at rest it is cut around the other's path
+            raise UnsupportedPair(f"{who} has no end and moves; let it rest, and the mesh move the other way")
         try:
             charts_of(model)
         except NotCharted as reason:
-            raise UnsupportedPair(f"{model.name or 'a model'} meets small convex polyhedra only: {reason}") from reason
+            raise UnsupportedPair(f"{who} meets small convex polyhedra only: {reason}") from reason
         pieces = _cover(model)
         super().__init__(mesh, pieces, mesh_is_a, budget, progress)
         self.mesh, self.model = mesh, model

@@ -85,7 +85,7 @@ def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
         return body
     if isinstance(body, Moving):
         back = _turned_back(body.motion)
-        if back is None or isinstance(other, Moving) or not model.bounded:
+        if back is None or isinstance(other, Moving):
             return body
         part = bounded(model, Moving(other, back), span)
         return body if part is model else Moving(part, body.motion)
