@@ -176,3 +176,6 @@ def test_status_and_refusals():
         fc.contact_intervals(high.body.moving(fc.Screw((1, 0, 0), degrees=90, advance=1)), clip(), exact=True)
     few = fc.contact_intervals(deep, clip(), budget=2)
     assert few.status is fc.Status.UNDECIDED and few.reason == "budget"
+    for budget in (0, 1, 5):  # triangles that come near are not all known
+        few = fc.contact_intervals(deep, clip(), budget=budget, exact=True)
+        assert few.status is fc.Status.UNDECIDED and few.reason == "budget" and few.free_until == 0.0

@@ -35,7 +35,7 @@ from firstcontact.motion.relative.stretches import Window
 from firstcontact.result import ContactIntervals
 from firstcontact.search.convex.mesh_advance import MeshSearch
 from firstcontact.search.convex.relation import Relation
-from firstcontact.work import Query, Work
+from firstcontact.work import Query, Spent, Work
 
 MOST = 64
 """Triangles, bare edges and points that come near the model."""
@@ -112,7 +112,7 @@ def _searches(query: Query, work: Work) -> Iterator[CandidateSearch]:
     mesh, model = shape_of(moving_mesh), shape_of(bounded(moving_model, moving_mesh, query.span))
     windows = windows_of(a, b, query.first, query.end)
     search = search_of(mesh, model, mesh_is_a, query.budget)
-    near = sorted({x.primitive for window in windows for x in search.near(window).open}) or [0]
+    near = _near(search, windows, query) or [0]
     if len(near) > MOST:
         raise UnsupportedPair(
             f"{a!r} and {b!r}: {len(near)} triangles come near the solid, too many for exact contact intervals; "
@@ -126,3 +126,14 @@ def _searches(query: Query, work: Work) -> Iterator[CandidateSearch]:
         work.free_until = below(piece.start)
         first_model, second_model = (thin, model) if mesh_is_a else (model, thin)
         yield _MeshSearch(MovingPair(first_model, second_model, piece), work, bodies=bodies)
+
+
+def _near(search: MeshSearch, windows: list[Window], query: Query) -> list[int]:
+    """All primitives that doubles do not prove apart from the model all the time."""
+    found: set[int] = set()
+    for window in windows:
+        swept = search.near(window)
+        if swept.reason == "budget":  # some may be missing
+            raise Spent if query.budget is not None else UnsupportedPair("too many triangles come near the solid")
+        found |= {x.primitive for x in swept.open}
+    return sorted(found)
