@@ -244,7 +244,7 @@ def test_tables_of_bodies_are_those_of_scenes(tmp_path):
         return "[" + ", ".join(map(toml, value)) + "]" if isinstance(value, list) else json.dumps(value)
 
     chosen = {key: bodies()[key] for key in ("polygons", "turned mesh", "chain", "tree", "trimmed", "strip")}
-    moving = {key: body.named("x").moving(motions()["sequence"]) for key, body in chosen.items()}
+    moving = {key: body.named(f"the {key}").moving(motions()["sequence"]) for key, body in chosen.items()}
     tables = {key: {k: x for k, x in body.to_dict().items() if k != "schema"} for key, body in moving.items()}
     lines = [f"[body.{json.dumps(key)}]\n" + "\n".join(f"{k} = {toml(x)}" for k, x in table.items())
              for key, table in tables.items()]  # fmt: skip
