@@ -1,5 +1,6 @@
 """Kernels are compiled once, by however many processes start together, and again when what they are made of changes."""
 
+import ctypes
 import dis
 import importlib
 import os
@@ -11,11 +12,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from llvmlite import binding
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
+from numba.core.registry import cpu_target
 
 import firstcontact
 from firstcontact import query
 from firstcontact.kernels import cache, notices
+from firstcontact.kernels.parts import KernelPart
 from firstcontact.kernels.thrift import effort
 from firstcontact.search.trees import translate, walk
 from firstcontact.search.trees.frame import twice_area_vectors
@@ -92,6 +97,7 @@ SHIPPED = """
 import sys
 from pathlib import Path
 from firstcontact.kernels import cache, notices
+from firstcontact.kernels.parts import KernelPart
 from firstcontact.kernels.thrift import effort
 from firstcontact.search.trees import translate, walk
 from firstcontact.search.trees.frame import twice_area_vectors
@@ -378,3 +384,25 @@ def test_walks_that_llvm_tries_its_hardest_at_are_there():
     query.first_contact(box.translated((0, 0, 3)).moving(firstcontact.Translation((0, 0, -3))), box)
     names = [done.fndesc.llvm_cpython_wrapper_name for done in walk.walk.overloads.values()]
     assert names and all(name.startswith(effort.HARD) for name in names)
+
+
+def test_what_is_linked_before_its_callers_is_not_lost():
+    """Found by a command: after parts were read from files, "Symbol _ZN5numba... not linked properly"."""
+    codegen = cpu_target.target_context.codegen()
+
+    def part(text):
+        made = KernelPart(codegen, "part")
+        made._shared_module, made._finalized = binding.parse_assembly(text), True
+        return made
+
+    inner = part("define linkonce_odr i64 @inner() { ret i64 42 }")
+    middle = part("declare i64 @inner()\ndefine linkonce_odr i64 @middle() { %x = call i64 @inner() ret i64 %x }")
+    outer = part("declare i64 @middle()\ndefine linkonce_odr i64 @outer() { %x = call i64 @middle() ret i64 %x }")
+    code = "declare i64 @outer()\ndefine i64 @whole() { %x = call i64 @outer() ret i64 %x }"
+    with global_compiler_lock:
+        whole = codegen.create_library("whole")
+        whole.add_llvm_module(binding.parse_assembly(code))
+        for each in (inner, middle, outer):
+            whole.add_linking_library(each)
+        whole.finalize()
+    assert ctypes.CFUNCTYPE(ctypes.c_int64)(whole.get_pointer_to_function("whole"))() == 42

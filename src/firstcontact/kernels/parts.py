@@ -67,7 +67,7 @@ class KernelPart(JITCodeLibrary):  # type: ignore[misc]
         super().finalize()
 
     def _optimize_final_module(self) -> None:
-        pass
+        complete(self)
 
     def _finalize_final_module(self) -> None:
         """As Numba's `_get_module_for_linking` says it, without a copy."""
@@ -107,7 +107,31 @@ def _link_all(library: Any, other: Any) -> None:
         library._linking_libraries += other.needs
 
 
+def complete(library: Any) -> None:
+    """Links again what holds functions that are declared only, until none is left that a linked library holds.
+
+    LLVM leaves out what may be left out where nothing linked so far calls it, and callers may come later: in which
+    order parts are linked depends on which of them were read from files.
+    """
+    tried: set[str] = set()
+    while missing := {f.name for f in library._final_module.functions if f.is_declaration} - tried:
+        tried |= missing
+        for other in dict.fromkeys(library._linking_libraries):
+            module = other._get_module_for_linking()
+            if any(not f.is_declaration and f.name in missing for f in module.functions):
+                library._final_module.link_in(module, preserve=True)
+
+
+_optimize: Any = CPUCodeLibrary._optimize_final_module
+
+
+def _optimize_complete(library: Any) -> None:
+    complete(library)
+    _optimize(library)
+
+
 setattr(CPUCodeLibrary, "add_linking_library", _link_all)  # noqa: B010 (to mypy, methods are not assigned to)
+setattr(CPUCodeLibrary, "_optimize_final_module", _optimize_complete)  # noqa: B010
 
 _read: dict[bytes, KernelPart] = {}
 """Parts from files, by their code: callers of the same ones share them."""

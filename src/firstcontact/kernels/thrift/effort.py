@@ -13,6 +13,7 @@ from llvmlite import binding
 from llvmlite.binding import TargetMachine
 from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
 
+from firstcontact.kernels.parts import complete
 from firstcontact.kernels.thrift.replaced import put
 
 WALKS = "search.trees.walk", "search.trees.windows", "search.trees.curve", "toolpath.walk"
@@ -36,6 +37,7 @@ def _is_walk(library: CPUCodeLibrary) -> bool:
 
 def _optimize(library: CPUCodeLibrary) -> None:
     """Numba optimizes a little first to find counts of references that cancel: in vain where nothing is counted."""
+    complete(library)
     module, codegen = library._final_module, library._codegen
     stages: list[dict[str, object]] = [{} if _is_walk(library) else {"opt": LESS}]
     if any(function.name == "NRT_incref" for function in module.functions):
