@@ -107,7 +107,7 @@ def _link_all(library: Any, other: Any) -> None:
         library._linking_libraries += other.needs
 
 
-def complete(library: Any) -> None:
+def complete(library: CPUCodeLibrary) -> None:
     """Links again what holds functions that are declared only, until none is left that a linked library holds.
 
     LLVM leaves out what may be left out where nothing linked so far calls it, and callers may come later: in which
@@ -125,7 +125,7 @@ def complete(library: Any) -> None:
 _optimize: Any = CPUCodeLibrary._optimize_final_module
 
 
-def _optimize_complete(library: Any) -> None:
+def _optimize_complete(library: CPUCodeLibrary) -> None:
     complete(library)
     _optimize(library)
 

@@ -272,7 +272,7 @@ class _Body:
         s, (x, y, z) = self.shift, self.turned(p)
         return x + s[0], y + s[1], z + s[2]
 
-    def turned(self, d: Any) -> Any:
+    def turned(self, d: Point) -> Point:
         """A direction of the model's frame in the world."""
         if not self.turn:
             return d
