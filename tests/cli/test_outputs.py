@@ -47,6 +47,14 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+EXTRAS = {"robot": "yourdfpy", "a part": "OCP", "a scene's course in a batch": "pyarrow"}
+
+
+def need_extra_of(name):
+    if name in EXTRAS:
+        pytest.importorskip(EXTRAS[name])
+
+
 def run_without_a_reader(arguments):
     """The exit code where standard output is a pipe whose reader has left, as `head` does."""
     read, write = os.pipe()
@@ -61,6 +69,7 @@ def targets(kinds):
 
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_files_are_whole_though_the_reader_left(folder, name):
+    need_extra_of(name)
     arguments, kinds = OUTPUTS[name]
     assert run_without_a_reader([*arguments, *targets(kinds)]) == 141
     for kind in kinds.split():
@@ -88,6 +97,7 @@ def test_a_full_disk_for_the_text_is_told_after_the_files_are_whole(folder, caps
 
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_a_full_disk_is_told_of_the_option_and_the_file(folder, capsys, name):
+    need_extra_of(name)
     arguments, kinds = OUTPUTS[name]
     for kind in kinds.split() if name == "check" else kinds.split()[:1]:
         assert run([*arguments, f"--{kind}", "/dev/full"]) == 3
@@ -136,9 +146,9 @@ NAMED = {
 
 @pytest.mark.parametrize("name", NAMED)
 def test_what_a_scene_names_is_not_written_over(folder, capsys, name):
+    need_extra_of(name)
     arguments, file = NAMED[name]
     if name == "a scene's course in a batch":
-        pytest.importorskip("pyarrow")
         door = Path("door.toml").read_text()
         Path("x.toml").write_text(door.partition("[course]")[0] + '[course]\nfile = "q.csv"\n')
         Path("q.csv").write_text("time,hinge,slide\n0,0,0\n1,1,1\n")
@@ -149,6 +159,7 @@ def test_what_a_scene_names_is_not_written_over(folder, capsys, name):
 
 
 def test_a_robot_s_mesh_is_not_written_over(folder, capsys):
+    need_extra_of("robot")
     mesh = '<link name="a"><collision><geometry><mesh filename="lid.stl"/></geometry></collision></link>'
     Path("r.urdf").write_text(f'<robot name="r">{mesh}</robot>')
     Path("t.csv").write_text("time\n0\n1\n")
