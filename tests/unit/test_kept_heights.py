@@ -50,16 +50,21 @@ def scene(seed):
     return pieces, points, pose_a, pose_b
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_heights_are_those_of_the_poses(seed):
+def kept(seed):
+    """(piece, its heights, points, poses, times in it) where heights are kept: not where both bodies shift alone."""
     pieces, points, *poses = scene(seed)
     for piece in pieces:
         with precision(128):
             heights = heights_in(piece)
-        if heights is None:  # both shift alone
-            continue
+        if heights is not None:
+            yield piece, heights, points, poses, TIMES[(float(piece.start) <= TIMES) & (float(piece.end) >= TIMES)]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_heights_are_those_of_the_poses(seed):
+    for piece, heights, points, poses, times in kept(seed):
         for h, x, pose in zip(heights, points, poses, strict=True):
-            for t in TIMES[(float(piece.start) <= TIMES) & (float(piece.end) >= TIMES)]:
+            for t in times:
                 m = pose(t)
                 truth = (x @ m[:3, :3].T + m[:3, 3]) @ UNIT
                 row, local = np.array([float(c) for c in h.row]), t - float(piece.start)
@@ -69,15 +74,11 @@ def test_heights_are_those_of_the_poses(seed):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_no_height_is_shared_at_other_times(seed):
-    pieces, points, *poses = scene(seed)
-    for piece in pieces:
+    for piece, heights, points, poses, times in kept(seed):
+        corners = [[tuple(map(fmpq, p)) for p in x.tolist()] for x in points]
         with precision(128):
-            heights = heights_in(piece)
-            if heights is None:
-                continue
-            corners = [[tuple(map(fmpq, p)) for p in x.tolist()] for x in points]
             level = times_level(heights, corners, fmpq(0), piece.end - piece.start)
-        for t in TIMES[(float(piece.start) <= TIMES) & (float(piece.end) >= TIMES)]:
+        for t in times:
             local = exact_value(float(t)) - piece.start
             placed = [(x, pose(t)) for x, pose in zip(points, poses, strict=True)]
             p, q = ((x @ m[:3, :3].T + m[:3, 3]) @ UNIT for x, m in placed)

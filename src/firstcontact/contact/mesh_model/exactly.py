@@ -27,7 +27,7 @@ from firstcontact.contact.models.exact_windows import decided_intervals
 from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
-from firstcontact.exact.numbers import below, exact_value, to_double
+from firstcontact.exact.numbers import below, exact_value
 from firstcontact.exact.rigid import inverse_map
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import relative_pieces
@@ -92,12 +92,11 @@ class _MeshSearch(CandidateSearch):
         assert self.bodies is not None
         if not self.bodies.mesh.solid:
             return False
-        time = exact_value(world_time(self.pair, AlgebraicRoot.of(u))[0])
-        clock = self.pair.piece.clock
+        t = world_time(self.pair, AlgebraicRoot.of(u))[0]
+        clock, time = self.pair.piece.clock, exact_value(t)
         for candidate in self.candidates:  # the double stands for u where no candidate lies between
             if (candidate.root.compare(u) > 0) is not (clock.compare(candidate.root, time) > 0):
                 return None
-        t = to_double(time)
         window = next((w for w in self.bodies.windows if w.first <= t <= w.last), None)
         if window is None:
             return None

@@ -62,7 +62,7 @@ def settle(models: tuple[Model, Model], query: Query, apart: bool = False) -> tu
 
 
 def both_bounded(models: tuple[Model, Model], span: tuple[float, float]) -> tuple[Model, Model]:
-    """Both models, a resting unbounded one cut to what the other may touch."""
+    """Both models, an unbounded one cut to what the other may touch."""
     a, b = models
     return bounded(a, b, span), bounded(b, a, span)
 
@@ -75,7 +75,7 @@ def near_models(models: tuple[Model, Model], span: tuple[float, float]) -> tuple
 
 
 def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
-    """A model, unbounded and at rest or of many surfaces, cut to what the other may touch.
+    """A model, unbounded or of many surfaces, cut to what the other may touch; one that moves, where that rests.
 
     That is a box around the other body's whole path.  Boxes come in powers of two, so that other motions find the cut
     model again.

@@ -15,7 +15,7 @@ from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.clocks import StraightClock
 from firstcontact.result import ContactIntervals, ContactSet, FirstContact, Status
 from firstcontact.search.rulings.directrices import DirectrixPiece, directrix_pieces
-from firstcontact.search.rulings.ruled_events import RuledEvent, RulingSearch, first_event_of, outermost, sharpened
+from firstcontact.search.rulings.ruled_events import RuledEvent, RulingSearch, outermost, told_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.search.trees.touch import carried_normal
 from firstcontact.timeline.answers import proved_intervals
@@ -40,7 +40,7 @@ def first(pieces: Pieces, query: Query) -> FirstContact:
     (step, p, q), shared = pieces, query.shared
     search = RulingSearch(p, q, inf if query.budget is None else query.budget)
     budget = BUDGET if query.budget is None else query.budget
-    found = first_event_of(search, query.first, query.end, query.tolerance, budget)
+    found = told_event_of(search, query.first, query.end, query.tolerance, budget)
     stats = query.stats(found.boxes)
     if found.status == "free":
         return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **shared)
@@ -51,15 +51,10 @@ def first(pieces: Pieces, query: Query) -> FirstContact:
     answer: dict[str, Any] = {"free_until": found.free_until, "stats": stats, **shared}
     if status is Status.INITIAL_CONTACT:
         answer["initial"] = "touching"
-    if found.status == "contact":
-        found = sharpened(search, found, query.tolerance * float(query.end - query.first), budget)
     if found.event is not None:
         assert found.time is not None
         pose = _pose_of_b(step, query.b, found.time)
-        answer |= described(found.event, pose, status is Status.CONTACT, shared)
-        answer |= {"free_until": found.free_until, "stats": query.stats(found.boxes)}
-        if found.isolated:
-            answer["contact_set"] = ContactSet("point", answer["point"][None])
+        answer |= described(found.event, pose, status is Status.CONTACT, shared, alone=found.isolated)
     return FirstContact(status, found.time, found.time_interval, **answer)
 
 
@@ -100,8 +95,12 @@ def described(
     shared: Mapping[str, Any],
     numbers: tuple[int, int] = (0, 0),
     joined: tuple[Collection[str], Collection[str]] = ((), ()),
+    alone: bool = False,
 ) -> dict[str, object]:
-    """What meets, in the world; pose: of b; numbers: of the pieces, joined: their borders that belong to the face."""
+    """What meets, in the world; pose: of b; numbers: of the pieces, joined: their borders that belong to the face.
+
+    alone: whether the point is all that the bodies share.
+    """
     normal = None
     if with_normal and event.normal is not None:
         normal = carried_normal(pose, event.normal)
@@ -111,7 +110,8 @@ def described(
             (event.sides[:2], event.sides[2:]), numbers, joined, "ab", strict=True
         )
     ]
+    point = pose[:3, :3] @ event.point + pose[:3, 3]
     return {
-        "point": pose[:3, :3] @ event.point + pose[:3, 3], "normal": normal,
-        "element_a": elements[0], "element_b": elements[1], "multiplicity": 1,
+        "point": point, "normal": normal, "element_a": elements[0], "element_b": elements[1], "multiplicity": 1,
+        "contact_set": ContactSet("point", point[None]) if alone else None,
     }  # fmt: skip

@@ -34,10 +34,10 @@ from firstcontact.motion.relative.clocks import StraightClock
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.polynomial import PolynomialPiece
-from firstcontact.result import ContactIntervals, ContactSet, FirstContact, Status
+from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.rulings.directrices import signed
 from firstcontact.search.rulings.posed_pieces import PosedPiece, PoseWindow, in_local_time, pose_windows
-from firstcontact.search.rulings.ruled_events import RuledContact, RulingSearch, first_event_of, sharpened
+from firstcontact.search.rulings.ruled_events import RuledContact, RulingSearch, told_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.timeline.answers import proved_intervals
 from firstcontact.timeline.sweep import Certified, Found
@@ -209,10 +209,7 @@ def _answer(pair: _Pair, window: PoseWindow, found: _Found, at_start: bool, alon
         pose = np.eye(4) if pose is None else pose
         joined = tuple(cell.surface.joined for cell in found.cells)
         numbers = tuple(cell.number for cell in found.cells)
-        place = described(found.contact.event, pose, not initial, query.shared, numbers, joined)  # type: ignore[arg-type]
-        answer |= place
-        if alone:
-            answer["contact_set"] = ContactSet("point", answer["point"][None])
+        answer |= described(found.contact.event, pose, not initial, query.shared, numbers, joined, alone)  # type: ignore[arg-type]
     return FirstContact(status, time, found.interval, **answer)
 
 
@@ -272,9 +269,7 @@ class _Pair:
             raise Spent
         p, q = PosedPiece.posed(self.piece_of(a), window), in_local_time(self.piece_of(b), window)
         search = RulingSearch(p, q, math.inf if work.budget is None else budget)
-        found = first_event_of(search, fmpq(-1), fmpq(1), self.local(window), budget)
-        if found.status == "contact":
-            found = sharpened(search, found, 2.0 * self.local(window), budget)
+        found = told_event_of(search, fmpq(-1), fmpq(1), self.local(window), budget)
         work.done += found.boxes
         interval = None if found.time_interval is None else window.true_times(*found.time_interval)
         return _Found(found, (a, b), window.true_times(found.free_until, 1.0)[0], interval)

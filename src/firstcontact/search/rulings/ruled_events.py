@@ -590,11 +590,15 @@ def first_event_of(s: RulingSearch, first: fmpq, last: fmpq, tolerance: float, b
     return RuledContact("open", begin, reason="precision", boxes=s.done)
 
 
-def sharpened(s: RulingSearch, found: RuledContact, width: float, budget: int) -> RuledContact:
-    """The contact with the tightest enclosure of its time, where one point is proved to be all of it."""
+def told_event_of(s: RulingSearch, first: fmpq, last: fmpq, tolerance: float, budget: int) -> RuledContact:
+    """As `first_event_of`, with the tightest enclosure of the time where one point is proved to be all of a contact."""
+    most = s.spent + budget
+    found = first_event_of(s, first, last, tolerance, budget)
+    if found.status != "contact":
+        return found
     assert found.time_interval is not None
-    (lo, hi), budget = found.time_interval, budget - s.spent
-    event = s.only(lo, hi, width, budget) if budget > 0 else None
+    (lo, hi), left = found.time_interval, most - s.spent
+    event = s.only(lo, hi, tolerance * float(last - first), left) if left > 0 else None
     if event is None:
         return replace(found, boxes=s.done)
     lo, hi = max(lo, event.time_interval[0]), min(hi, event.time_interval[1])
