@@ -50,6 +50,9 @@ UNBOUNDED = {
     "a bowl above a plane": lambda: bowl(0) & half((0, 0, -1), -1),
     "a trough below a plane": lambda: trough() & half((0, 0, 1), 1),
     "outside of a bowl": lambda: half((0, 0, -1), 0) - bowl(0),
+    "a cone about z = 2 above a plane": lambda: fc.quadric(
+        [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 2], [0, 0, 2, -4]]
+    ) & half((0, 0, -1), 0),
 }
 
 

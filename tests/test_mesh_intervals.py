@@ -11,6 +11,8 @@ from flint import fmpq
 import firstcontact as fc
 from firstcontact.body.solid import primitives
 from firstcontact.contact.mesh_model.mesh_intervals import intervals
+from firstcontact.contact.mesh_model.mesh_starts import Standing
+from firstcontact.search.convex.resting import Place
 from firstcontact.work import Query
 
 BALL, SMALL, PIN = primitives.sphere(1), primitives.sphere("1/4"), primitives.cylinder("1/2", 2)
@@ -179,3 +181,11 @@ def test_status_and_refusals():
     for budget in (0, 1, 5):  # triangles that come near are not all known
         few = fc.contact_intervals(deep, clip(), budget=budget, exact=True)
         assert few.status is fc.Status.UNDECIDED and few.reason == "budget" and few.free_until == 0.0
+
+
+def test_what_is_not_told_of_a_triangle_is_not_taken_for_apart(monkeypatch):
+    ball = BALL.translated((-5, 0, 2.5)).moving(fc.Translation((10, 0, 0)))
+    assert fc.contact_intervals(ball, clip(), exact=True).status is fc.Status.FREE
+    monkeypatch.setattr(Standing, "primitive", lambda self, k: Place(None))
+    with pytest.raises(fc.UnsupportedPair, match="not proved whether they touch"):
+        fc.contact_intervals(ball, clip(), exact=True)

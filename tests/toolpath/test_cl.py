@@ -27,6 +27,10 @@ def test_words_are_those_written_by_hand(tmp_path):
     assert [type(x.stretches[0]) for x in blocks] == [StraightMove] * 4 + [Swing] * 2
 
 
+def test_a_text_does_not_go_on_in_the_next_line(tmp_path):
+    assert [x.line for x in blocks_of(tmp_path, "FROM/0,0,0\nREMARK ALL FOR 5$\nGOTO/1,2,3\n")] == [3]
+
+
 FAULTS = {
     "GOTO/1,2": "line 1: GOTO: 2 numbers",
     "GOTO/1,2,x": "line 1: GOTO: 'X' is no number",
