@@ -72,6 +72,10 @@ BODIES = {
     "fractions": lambda: fc.Polyhedron(
         [[Fraction(k * k + 1, 3 + j) for j in range(3)] for k in range(9)], [[0, 1, 2], [3, 4, 5], [6, 7, 8]]
     ),
+    # translates, whose trees are those of what they are made of
+    "needles elsewhere": lambda: needles(3).translated((Fraction(1000, 3), "1/7", -5)),
+    "needles far away": lambda: needles(4).translated((2**30, -1, Fraction(1, 3))),
+    "turned slabs elsewhere": lambda: slabs().rotated((1, 2, 3), degrees=50).translated(("1/3", 77, 1e-9)),
 }
 NAMES = pytest.mark.parametrize("name", BODIES)
 
@@ -110,6 +114,18 @@ def samples(corners: np.ndarray, rng, n: int) -> list[list[Fraction]]:
 
 def holds(box, point) -> bool:
     return all(Fraction(box[k]) <= x <= Fraction(box[k + 3]) for k, x in enumerate(point))
+
+
+def test_a_translate_has_the_tree_of_its_origin_by_its_own_coordinates():
+    body = needles(5).translated((1, 0, 0))
+    moved = body.translated(("1/3", 5, 0))
+    one, other = tree_of(body), tree_of(moved)
+    assert one.links is other.links and one.ids is other.ids
+    assert np.array_equal(other.xyz, moved.vertices[other.corners[other.ids[:, 0]]].reshape(-1, 9))
+    whole = (other.ids[:, 1] & SPLIT) == 0
+    boxes = other.boxes[[leaf_of_part(other)[p] for p in np.flatnonzero(whole)]]
+    points = other.xyz[whole].reshape(-1, 3, 3)
+    assert np.array_equal(boxes, np.hstack([points.min(axis=1), points.max(axis=1)]))
 
 
 @pytest.mark.share(3)

@@ -25,6 +25,11 @@ def shift(v: Vector) -> Matrix:
     return ((_1, _0, _0, v[0]), (_0, _1, _0, v[1]), (_0, _0, _1, v[2]))
 
 
+def is_shift(m: Matrix) -> bool:
+    """Whether a map is a translation, or none at all."""
+    return all(x == int(i == k) for i, row in enumerate(m) for k, x in enumerate(row[:3]))
+
+
 def to_origin(middle: Sequence[float], size: float) -> Vector:
     """The shift, of few binary digits, that brings the middle of something of this size to the origin, or near it."""
     unit = 2.0 ** math.floor(math.log2(size))

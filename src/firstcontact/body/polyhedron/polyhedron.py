@@ -18,7 +18,7 @@ from firstcontact.body.placing import Placing
 from firstcontact.body.polyhedron.triangulate import shapes, triangulate
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, fraction, rational, to_double
-from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose
+from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose, is_shift
 from firstcontact.motion.value import numbers
 
 if TYPE_CHECKING:
@@ -200,7 +200,8 @@ class Polyhedron(Placing):
             base_error = _rounding_error(self.fractions, self.base)
             error = float(size.max() * 8 * 2.0**-53 + 3 * base_error * np.abs(m[:, :3]).max() * 1.01 + LEAST)
         vertices.flags.writeable = False
-        mapped = self._with(vertices=vertices, error=error, matrix=total, _search={})
+        translate_of = self.translate_of or self if is_shift(matrix) else None
+        mapped = self._with(vertices=vertices, error=error, matrix=total, translate_of=translate_of, _search={})
         if error == 0.0:
             mapped.base, mapped.matrix = vertices, IDENTITY
         return mapped
@@ -213,11 +214,11 @@ class Polyhedron(Placing):
         # an entry, a product and three sums round: at most 8 roundings of relative size 2^-53
         error = float(size.max() * 8 * 2.0**-53 + 3 * self.error * np.abs(m[:, :3]).max() * 1.01 + LEAST)
         vertices.flags.writeable = False
-        return self._with(vertices=vertices, error=error, irrational_pose=pose, _search={})
+        return self._with(vertices=vertices, error=error, irrational_pose=pose, translate_of=None, _search={})
 
     def __getstate__(self) -> dict[str, object]:
         state = dict(self.__dict__)
-        state["_search"] = {}
+        state["_search"], state["translate_of"] = {}, None
         state["matrix"] = tuple(tuple(fraction(x) for x in row) for row in self.matrix)
         return state
 
@@ -238,6 +239,8 @@ class Polyhedron(Placing):
     side_edge: np.ndarray
     segments: np.ndarray
     given_edges: int
+    translate_of: Polyhedron | None = None
+    """One that differs by a translation, and is no such copy itself: trees of both are alike."""
     _search: dict[Any, Any]
 
 

@@ -76,6 +76,8 @@ def natural_frame(body: Polyhedron) -> tuple[float, Frame | None]:
 
     Boxes along the faces of a body are flat; in another frame they are fat.  Looks at some thousand triangles.
     """
+    if body.translate_of is not None:
+        return natural_frame(body.translate_of)
     return _NATURAL.of(body, lambda: _find_natural_frame(body))
 
 
@@ -173,9 +175,22 @@ def _structure(body: Polyhedron) -> tuple[Frame | None, Tree]:
         vertices, error = body.vertices, body.error
         if frame is not None:
             vertices, error = vertices @ np.array(frame).T, _framed_error(body, frame)
+        if body.translate_of is not None:
+            return frame, _translated(_structure(body.translate_of)[1], vertices, error)
         return frame, build(body, np.ascontiguousarray(vertices), error)
 
     return _STRUCTURE.of(body, made)
+
+
+def _translated(built: Tree, vertices: np.ndarray, error: float) -> Tree:
+    """The tree over the vertices (n, 3) of a translate, in the frame of a tree that is built: its links, its parts."""
+    xyz = vertices[built.corners[built.ids[:, 0]]].reshape(len(built.ids), 9)
+    size = max(float(np.abs(xyz).max()), float(np.abs(built.xyz).max()))
+    slack = 2.0 * (error + built.error) + 1e-15 * size  # cells that parts are cut by move with them, up to roundings
+    shift = np.tile(xyz[0, :3] - built.xyz[0, :3], 2)
+    cells = built.boxes + shift + np.repeat([-slack, slack], 3)
+    boxes, xyz = refit(cells, built.links, xyz, xyz, built.ids, np.eye(3), np.eye(3), slack)
+    return replace(built, boxes=boxes, xyz=xyz, error=error)
 
 
 def _framed_error(body: Polyhedron, frame: Frame) -> float:
