@@ -385,9 +385,9 @@ class CompositeQuadric(Placing):
             x = np.abs(np.column_stack([p, np.ones(len(p))]))
             reach = x + [*[slack * np.abs(p).max(initial=0.0)] * 3, 0.0]
             error = error + (self._sizes(reach) * (1 + 2.0**-45) - self._sizes(x))
-        return possible(self.tree, values < error, values > -error)
+        return possible(self.tree, list(values < error), list(values > -error))
 
-    def _values(self, p: np.ndarray) -> tuple[Any, Any]:
+    def _values(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(surfaces, n) values of the forms at (n, 3) float64 points, and bounds on their errors."""
         x = np.column_stack([p, np.ones(len(p))])
         values = np.einsum("ni,sij,nj->sn", x, self.forms, x, optimize=True)

@@ -78,7 +78,7 @@ def surfaces_there(bodies: tuple[Body, Body], span: tuple[float, float]) -> Near
     return found[0], found[1]
 
 
-def _passing(model: Any, lo: np.ndarray, hi: np.ndarray) -> frozenset[int]:
+def _passing(model: CompositeQuadric, lo: np.ndarray, hi: np.ndarray) -> frozenset[int]:
     """Surfaces that may have a point in the box."""
     x, y, z = (0.5 * (lo + hi)).tolist()
     p, q, r = (0.5 * (hi - lo)).tolist()

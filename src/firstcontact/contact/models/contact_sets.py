@@ -241,8 +241,9 @@ def _on_conic(contact: Contact, inner: np.ndarray, near: np.ndarray, sizes: Sequ
     form = contact.form
     assert form is not None
 
-    def bilinear(p: list[fmpq], q: list[fmpq]) -> Any:
-        return sum((form[i][j] * (p[i] * q[j]) for i in range(3) for j in range(3)), form[0][0] * 0)
+    def bilinear(p: list[fmpq], q: list[fmpq]) -> arb:
+        total: arb = sum((form[i][j] * (p[i] * q[j]) for i in range(3) for j in range(3)), form[0][0] * 0)
+        return total
 
     a, b, k = bilinear(d, d), bilinear(c, d), bilinear(c, c)
     root = b * b - a * k

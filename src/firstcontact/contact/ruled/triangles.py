@@ -27,7 +27,7 @@ from firstcontact.contact.signs.trimmed import inner_places
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import rational
-from firstcontact.exact.rigid import apply, inverse_map
+from firstcontact.exact.rigid import Matrix, apply, inverse_map
 from firstcontact.exact.vectors import Vector
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative import projective
@@ -193,9 +193,10 @@ class Interior:
         there = apply(inverse_map(pose) if self.mesh_first else pose, point)
         return contains(self.mesh, tree_of(self.mesh), there)
 
-    def _pose(self, motion: PolynomialPiece, x: fmpq) -> Any:
+    def _pose(self, motion: PolynomialPiece, x: fmpq) -> Matrix:
         rows = projective.value(motion.pose, x)
-        return tuple(tuple(c / rows[3][3] for c in row) for row in rows[:3])
+        first, second, third = (tuple(c / rows[3][3] for c in row) for row in rows[:3])
+        return first, second, third
 
 
 def _grid(piece: RuledSurface) -> Iterator[tuple[fmpq, fmpq]]:

@@ -171,7 +171,7 @@ class Joints:
             x, y = along, edge.at(value).enclosure(LIMIT_BITS)
         return self.in_space.spot(edge.chart, x, y, LIMIT_BITS)
 
-    def place(self, edge: Any, at_end: int, bits: int) -> tuple[arb, arb]:
+    def place(self, edge: PlaneEdge, at_end: int, bits: int) -> tuple[arb, arb]:
         """An end of an edge in the chart of the edge."""
         node = self.graph.nodes[edge.end if at_end else edge.start]
         with precision(bits):

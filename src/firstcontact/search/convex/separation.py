@@ -132,7 +132,7 @@ def _centre_of(rows: list[list[fmpq]]) -> list[fmpq]:
     return [x[0] for x in block.solve(fmpq_mat([[-row[3]] for row in rows[:3]])).tolist()]
 
 
-def _reader(x: float | arb_series) -> Callable[[fmpq], Any]:
+def _reader(x: float | arb_series) -> Callable[[fmpq], float | arb]:
     if isinstance(x, float):
         return to_double
     return arb

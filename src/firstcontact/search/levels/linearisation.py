@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from flint import fmpq
@@ -71,6 +71,10 @@ class Bounded:
 
 def _both(x: Bounded | Floats) -> tuple[Floats, Floats]:
     return (x.value, x.error) if isinstance(x, Bounded) else (x, 0.0)
+
+
+P = TypeVar("P", np.ndarray, tuple[Any, Any, Any])
+"""A point, in doubles or exactly."""
 
 
 class Form(NamedTuple):
@@ -232,7 +236,7 @@ class Translated:
     def parameters(self) -> tuple[Vector, fmpq]:
         return self.v, self.last
 
-    def oriented(self, c: Any, d: Any) -> tuple[Any, Any]:
+    def oriented(self, c: P, d: P) -> tuple[P, P]:
         return c, d
 
     def is_degenerate(self, a: Vector, b: Vector, c: Vector, d: Vector) -> bool:
@@ -261,7 +265,7 @@ class Turned:
     def parameters(self) -> tuple[fmpq]:
         return (self.tangent,)
 
-    def oriented(self, c: Any, d: Any) -> tuple[Any, Any]:
+    def oriented(self, c: P, d: P) -> tuple[P, P]:
         """The lower end first."""
         return (d, c) if c[2] > d[2] else (c, d)
 
