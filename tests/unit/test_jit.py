@@ -221,7 +221,7 @@ SIGNALLED = """
 import signal
 import time
 import numpy as np
-from firstcontact.kernels.jit import kernel, signals
+from firstcontact.kernels.jit import kernel, with_signals
 def both(x):
     return x + 1.0, x > 0.0
 both = kernel(both)
@@ -230,13 +230,15 @@ def handler(*_):
     raise KeyboardInterrupt
 signal.signal(signal.SIGALRM, handler)
 told = []
-for k in range(300):
+@with_signals
+def asked(k):
     end = time.perf_counter() + 0.1
+    signal.setitimer(signal.ITIMER_REAL, 2e-4 + 1e-6 * k)
+    while time.perf_counter() < end:
+        both(np.zeros(2))
+for k in range(300):
     try:
-        with signals():
-            signal.setitimer(signal.ITIMER_REAL, 2e-4 + 1e-6 * k)
-            while time.perf_counter() < end:
-                both(np.zeros(2))
+        asked(k)
     except BaseException as error:
         told.append(type(error).__name__)
 print(*sorted(set(told)), len(told))

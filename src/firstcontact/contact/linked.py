@@ -78,8 +78,7 @@ def pairs(answer: Callable[[Query], ContactPairs], query: Query) -> ContactPairs
 
 
 def _linkages(query: Query) -> list[Linkage]:
-    motions = [body.motion for body in query.bodies if isinstance(body, Moving)]
-    return [motion for motion in motions if isinstance(motion, Linkage)]
+    return [x.motion for x in query.bodies if isinstance(x, Moving) and isinstance(x.motion, Linkage)]
 
 
 def _without_shared(query: Query) -> tuple[Query, Linkage | None]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, cast
+from functools import wraps
+from typing import Any, TypeVar, cast
 
 from numba import njit
 from numba.core.compiler_lock import global_compiler_lock
@@ -88,18 +89,25 @@ def inlined(function: Callable[..., Any]) -> Any:
     return kernel(function, allocates=False, inlined=True)
 
 
-@contextmanager
-def signals() -> Iterator[None]:
-    """Raises what a signal's handler raised as it was: while Numba hands over results, it becomes a SystemError."""
-    try:
-        yield
-    except SystemError as error:
-        cause: BaseException | None = error
-        while isinstance(cause, SystemError):
-            cause = cause.__cause__ or cause.__context__
-        if cause is None:
-            raise
-        raise cause from None
+F = TypeVar("F", bound=Callable[..., object])
+
+
+def with_signals(verb: F) -> F:
+    """A verb that raises what a signal's handler raised as it was: while Numba hands over results, it becomes a
+    SystemError."""
+    @wraps(verb)
+    def asked(*arguments: object, **named: object) -> object:
+        try:
+            return verb(*arguments, **named)
+        except SystemError as error:
+            cause: BaseException | None = error
+            while isinstance(cause, SystemError):
+                cause = cause.__cause__ or cause.__context__
+            if cause is None:
+                raise
+            raise cause from None
+
+    return cast("F", asked)
 
 
 def implements(

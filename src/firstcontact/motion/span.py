@@ -109,13 +109,15 @@ def refuse_many_turns(
 ) -> None:
     """InputError for a body that turns more than MOST_TURNS times in the span by a motion of these kinds."""
     for body in (a, b):
-        motion = body.motion if isinstance(body, Moving) else None
+        if not isinstance(body, Moving) or isinstance(body.motion, Translation):
+            continue
+        motion = body.motion
         share = 1 if last is None or not getattr(motion, "extends", False) else last - first
         for step in [motion] if isinstance(motion, Linkage) else getattr(motion, "steps", [motion]):
             if isinstance(step, Rotation | Screw | Linkage) and isinstance(step, (*kinds, Linkage)):
                 turns = exact_value(step.turns) if isinstance(step, Linkage) else turns_of(step) * share
                 if turns > MOST_TURNS:
-                    who = body.name or "a body"  # type: ignore[union-attr]  # it moves
+                    who = body.name or "a body"
                     raise InputError(
                         f"{who}: {step!r} makes {to_double(turns):.3g} full turns during the span, each of which is "
                         f"searched; ask about {MOST_TURNS} at a time by a shorter span="

@@ -50,11 +50,13 @@ class Step(NamedTuple):
 
     def share(self, time: fmpq) -> fmpq:
         """The motion's own time then."""
+        if self.clock is None and self.end is None:
+            return time - self.start
         return (time - self.origin) / self.unit
 
     def pose(self, time: fmpq) -> Placement:
         """Where the body stands at that time of the step."""
-        return advanced(self.before, self.motion, self.share(time))
+        return self.before if self.motion is REST else advanced(self.before, self.motion, self.share(time))
 
 
 RESTING = Step(fmpq(0), None, REST, HERE)

@@ -38,7 +38,7 @@ SOON = 2000 * WORTH
 
 def first(query: Query) -> FirstContact:
     """The first contact, proved; its time exact, or enclosed where it has no exact form."""
-    return answered([Way("by trees", _first_contact)], query)
+    return answered(_FIRST, query)
 
 
 def _first_contact(query: Query, _: None = None) -> FirstContact:
@@ -76,7 +76,10 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
                 return contact_of(problem, found, exact, _timed(stats, begin), shared)
     except Spent:
         return _undecided("budget", work.free_until, stats, query)
-    return FirstContact(Status.FREE, free_until=query.span[1], stats=_timed(stats, begin), **shared)
+    return FirstContact.free(query.span[1], _timed(stats, begin), **shared)
+
+
+_FIRST = (Way("by trees", _first_contact),)
 
 
 def intervals(query: Query) -> ContactIntervals:
@@ -226,5 +229,7 @@ def _added(stats: Stats, found: FoundFirst | Windows) -> Stats:
 
 
 def _timed(stats: Stats, begin: float) -> Stats:
-    """The work of a search, and the time since `begin`."""
-    return replace(stats, seconds=clock.perf_counter() - begin)
+    """The work of a search that is over, and the time since `begin`."""
+    told = Stats() if stats is NO_WORK else stats
+    told.note_time(clock.perf_counter() - begin)
+    return told

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from firstcontact.exact.numbers import to_double
 from firstcontact.kernels.pose_series import LocalPose
 from firstcontact.motion.product import Product
 from firstcontact.motion.rational import RationalMotion
@@ -18,6 +19,9 @@ from firstcontact.motion.relative.curved import CurvedPiece, Leg
 from firstcontact.motion.relative.local_poses import local_pose, own_pose
 
 if TYPE_CHECKING:
+    from flint import fmpq
+
+    from firstcontact.exact.vectors import Vector
     from firstcontact.motion.kinds import Single
 
 # Of the sizes met: far more than some dozen roundings.
@@ -48,6 +52,31 @@ def are_apart(piece: CurvedPiece, a: Ball, b: Ball) -> bool:
         lo_a[0] > hi_b[0] or lo_a[1] > hi_b[1] or lo_a[2] > hi_b[2]
         or lo_b[0] > hi_a[0] or lo_b[1] > hi_a[1] or lo_b[2] > hi_a[2]
     )  # fmt: skip
+
+
+def turn_apart(axis: Vector, point: Vector, angle: tuple[fmpq, fmpq], a: Ball, b: Ball) -> bool:
+    """The same where a turns about a line by (radians, turns) and b rests: how near the arc of a's centre comes to b's.
+    """
+    h, p = [to_double(x) for x in axis], [to_double(x) for x in point]
+    length = math.hypot(*h)
+    u = [x / length for x in h]
+    (p0, p1, p2), (u0, u1, u2) = p, u
+    (x, y, z), (r, s, t) = ((c[0] - p0, c[1] - p1, c[2] - p2) for c in (a.centre, b.centre))
+    size = max(map(abs, (x, y, z, r, s, t, p0, p1, p2)))
+    enough = (a.radius + b.radius) * (1.0 + _SLACK) + _SLACK * size
+    up_a, up_b = x * u0 + y * u1 + z * u2, r * u0 + s * u1 + t * u2
+    x, y, z, r, s, t = x - up_a * u0, y - up_a * u1, z - up_a * u2, r - up_b * u0, s - up_b * u1, t - up_b * u2
+    out_a, out_b = math.hypot(x, y, z), math.hypot(r, s, t)
+    if math.hypot(up_a - up_b, out_a - out_b) > enough:
+        return True
+    turned = to_double(angle[0]) + 2.0 * math.pi * to_double(angle[1])
+    across = (y * t - z * s) * u0 + (z * r - x * t) * u1 + (x * s - y * r) * u2
+    ahead = math.atan2(across if turned > 0.0 else -across, x * r + y * s + z * t) % (2.0 * math.pi)
+    if not abs(turned) < ahead:
+        return False
+    beside = min(ahead - abs(turned), 2.0 * math.pi - ahead)
+    chord = 2.0 * math.sqrt(out_a * out_b) * math.sin(0.5 * beside)
+    return math.hypot(up_a - up_b, out_a - out_b, chord) > enough
 
 
 def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[Corner, Corner]:

@@ -79,6 +79,12 @@ class MotionPiece(NamedTuple):
             return rotation_matrix(axis, point, angle)
         return None
 
+    def turn_from_rest(self) -> tuple[fmpq, fmpq] | None:
+        """(radians, turns) of a rotation of bodies that stand as they are given at first; None of any other piece."""
+        if self.axis is None or self.end is None or self.velocity is not None or self.reference != self.start:
+            return None
+        return None if self.place_a.factors or self.place_b.factors else _times(self.end - self.start, self.rate)
+
     def at_start(self) -> MotionPiece:
         """The instant in which a rotation's window starts, both bodies as they stand in the world then."""
         assert self.axis is not None and self.point is not None
@@ -94,7 +100,7 @@ def pieces(a: Body, b: Body, first: fmpq, last: fmpq | None) -> list[MotionPiece
 
     Raises UnsupportedPair for motions of other classes.
     """
-    steps_a, steps_b = list(_steps(a)), list(_steps(b))
+    steps_a, steps_b = _steps(a), _steps(b)
     if len(steps_a) == len(steps_b) == 1:
         return [_reduce(a, b, steps_a[0], steps_b[0], first, last)]
     assert last is not None  # sequences have bounded spans
@@ -106,7 +112,7 @@ def pieces(a: Body, b: Body, first: fmpq, last: fmpq | None) -> list[MotionPiece
 
 def curved_pieces(a: Body, b: Body, first: fmpq, last: fmpq) -> list[CurvedPiece]:
     """The pieces over [first, last] by the motions themselves, whatever they are: poses as power series at any time."""
-    steps_a, steps_b = list(_steps(a)), list(_steps(b))
+    steps_a, steps_b = _steps(a), _steps(b)
     return [
         _curved(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1)
         for t0, t1 in _cut(steps_a, steps_b, first, last)
@@ -132,7 +138,7 @@ def in_few_turns(piece: CurvedPiece) -> Iterator[CurvedPiece]:
 
 def placement_at(body: Body, time: fmpq) -> Placement:
     """Where the body stands at the time, one of its motion's span."""
-    return _step_at(list(_steps(body)), time).pose(time)
+    return _step_at(_steps(body), time).pose(time)
 
 
 def _cut(steps_a: list[Step], steps_b: list[Step], first: fmpq, last: fmpq) -> list[tuple[fmpq, fmpq]]:
@@ -148,10 +154,9 @@ def _step_at(steps: list[Step], time: fmpq) -> Step:
     return steps[max(0, bisect_right(steps, time, key=lambda s: s.start) - 1)]
 
 
-def _steps(body: Body) -> Iterator[Step]:
+def _steps(body: Body) -> list[Step]:
     if not isinstance(body, Moving):
-        yield RESTING
-        return
+        return [RESTING]
     for k, part in enumerate(getattr(body.motion, "steps", [body.motion])):
         if not isinstance(part, SUPPORTED):
             where = f"step {k} of the Sequence, " if isinstance(body.motion, Sequence) else ""
@@ -159,7 +164,7 @@ def _steps(body: Body) -> Iterator[Step]:
                 f"{where}{part!r} of {_who(body)}: polyhedra take Translation, Rotation, Screw, RationalMotion, "
                 "Trajectory and a Sequence of them"
             )
-    yield from steps_of(body.motion)
+    return list(steps_of(body.motion))
 
 
 def _times(factor: fmpq, rate: tuple[fmpq, fmpq]) -> tuple[fmpq, fmpq]:

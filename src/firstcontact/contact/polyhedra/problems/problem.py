@@ -15,7 +15,7 @@ from firstcontact.contact.polyhedra.earliest import Problem, Searched
 from firstcontact.contact.polyhedra.problems.translation_problem import TranslationProblem
 from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.motion.relative.balls_apart import Ball, are_apart
+from firstcontact.motion.relative.balls_apart import Ball, are_apart, turn_apart
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import MotionPiece, by_motions, in_few_turns
 from firstcontact.work import Work
@@ -102,6 +102,9 @@ def stretches(
 
 def _may_be_skipped(a: Body, b: Body, piece: MotionPiece | CurvedPiece) -> bool:
     """True proves that the bodies share no point during the piece, told by the motions themselves."""
+    if isinstance(piece, MotionPiece) and (angle := piece.turn_from_rest()) is not None:
+        assert piece.axis is not None and piece.point is not None
+        return turn_apart(piece.axis, piece.point, angle, _ball_of(shape_of(a)), _ball_of(shape_of(b)))
     curved = piece if isinstance(piece, CurvedPiece) else by_motions(a, b, piece)
     return curved is not None and far_apart(a, b, curved)
 

@@ -94,7 +94,6 @@ class RotationProblem(ByEngine):
         self.rate = sense * piece.rate[0], sense * piece.rate[1]
         h, self.origin = piece.axis, piece.point
         _, (direction,) = whole(h)
-        self._whole, self._ints = (WholeCorners(a, b, self.origin, number) for number in (fmpz, int))
         self._whole_axis = Axis(scaled(-1, direction) if self.backward else direction)
         self.first, self.opening, self.turn = _ZERO, _ZERO, 0
         if piece.reference != piece.start:
@@ -106,6 +105,14 @@ class RotationProblem(ByEngine):
             self.last = self.last[0], self.last[1] - self.turn
         self._window: tuple[float, float] | None = None
         self._prepare()
+
+    @cached_property
+    def _whole(self) -> WholeCorners:
+        return WholeCorners(self.a, self.b, self.origin, fmpz)
+
+    @cached_property
+    def _ints(self) -> WholeCorners:
+        return WholeCorners(self.a, self.b, self.origin, int)
 
     @cached_property
     def axis(self) -> Axis:

@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -56,35 +57,38 @@ class TranslationProblem(ByEngine):
             self.v = scaled(1 / self.pace, self.v)
             self._doubles = [to_double(x) for x in self.v]
         self.is_exact = a.irrational_pose is None and b.irrational_pose is None
-        self._whole, self._ints = (WholeCorners(a, b, self.v, number) for number in (fmpz, int))
         self.last = None if piece.end is None else piece.end - piece.start
         if self.last is not None and self.pace is not None:
             self.last *= self.pace
-        self.tree_a, self.tree_b = tree_of(a), tree_of(b)
+        self._window = _doubles_around(self.last)
         self._prepare()
 
     def _prepare(self) -> None:
         """Boxes and their velocity in the frame that suits the bodies; parts and their velocity as they are."""
         v = self._doubles
+        self.tree_a, self.tree_b = tree_a, tree_b = tree_of(self.a), tree_of(self.b)
+        self.error_a, self.error_b = tree_a.error, tree_b.error
         self.frame = frame = None if self.last is None else shared_frame(self.a, self.b)
-        self.boxes_a, self.boxes_b, self.error = framed_boxes(self.a, self.b, frame)
-        self.error_a, self.error_b = self.tree_a.error, self.tree_b.error
+        if frame is not None:
+            tree_a, tree_b = view_in(self.a, frame), view_in(self.b, frame)
+        self.boxes_a, self.boxes_b, self.error = tree_a.boxes, tree_b.boxes, tree_a.error + tree_b.error
         self.motion = np.empty(9)
         off = translate.lay_motion(np.array(v), rows_of(frame), self.motion)
-        self.pad = 2.0 * self.error if frame is None else 2.0 * (self.error + off * self.window()[0])
-        if any(x != 0 and abs(y) < LEAST_SPEED for x, y in zip(self.v, v, strict=True)):
+        self.pad = 2.0 * (self.error + off * self._window[0]) if off else 2.0 * self.error
+        if any(abs(y) < LEAST_SPEED and x != 0 for x, y in zip(self.v, v, strict=True)):
             self.pad += 2.0**-800  # so slowly nothing comes that far before the bodies have passed each other
+
+    @cached_property
+    def _whole(self) -> WholeCorners:
+        return WholeCorners(self.a, self.b, self.v, fmpz)
+
+    @cached_property
+    def _ints(self) -> WholeCorners:
+        return WholeCorners(self.a, self.b, self.v, int)
 
     def window(self) -> tuple[float, float]:
         """(last, sure last): outward and inward doubles around the end of the window."""
-        if self.last is None:
-            return math.inf, math.inf
-        last = to_double(self.last)
-        if math.isinf(last):
-            return last, sys.float_info.max
-        if fmpq(*last.as_integer_ratio()) == self.last:
-            return last, last
-        return math.nextafter(last, math.inf), math.nextafter(last, -math.inf)
+        return self._window
 
     def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
         """The earliest time of the window at which the two elements share a point; exact."""
@@ -230,12 +234,19 @@ class TranslationProblem(ByEngine):
         return translation_touch(element_a, corners_a, element_b, corners_b, v, scale, at)
 
 
-def framed_boxes(a: Polyhedron, b: Polyhedron, frame: Frame | None) -> tuple[np.ndarray, np.ndarray, float]:
-    """The boxes of both trees in the frame, and the sum of their errors."""
-    tree_a, tree_b = (tree_of(x) if frame is None else view_in(x, frame) for x in (a, b))
-    return tree_a.boxes, tree_b.boxes, tree_a.error + tree_b.error
+def _doubles_around(last: fmpq | None) -> tuple[float, float]:
+    """Outward and inward doubles around the end of a window; None: it has none."""
+    if last is None:
+        return math.inf, math.inf
+    near = to_double(last)
+    if math.isinf(near):
+        return near, sys.float_info.max
+    if fmpq(*near.as_integer_ratio()) == last:
+        return near, near
+    return math.nextafter(near, math.inf), math.nextafter(near, -math.inf)
 
 
+@lru_cache(maxsize=64)
 def rows_of(frame: Frame | None) -> np.ndarray:
     """(3, 3), or (0, 3) without a frame: as `lay_motion` has it."""
     return np.empty((0, 3)) if frame is None else np.array(frame)
