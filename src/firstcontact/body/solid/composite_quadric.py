@@ -44,7 +44,7 @@ from firstcontact.body.solid.recipe import Recipe, combined
 from firstcontact.body.solid.regions import Regions, SurfaceReach, grows_with_leaves, reaches_of, simplified
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, to_double
-from firstcontact.exact.rigid import Matrix, apply
+from firstcontact.exact.rigid import Matrix, apply, is_shift, shift
 from firstcontact.motion.translation import LARGEST, vector3
 
 if TYPE_CHECKING:
@@ -117,6 +117,8 @@ class CompositeQuadric(Placing):
         """The polyhedron this model stands for, if it does."""
         self.recipe: Recipe | None = None
         """How it was made, where that is known: not of the models that searches make."""
+        self.translate_of: tuple[CompositeQuadric, Vector] | None = None
+        """A model of the same names that is this one but for a translation, and that, where there is one."""
         self._validate()
 
     # -- features -------------------------------------------------------------------------------------------
@@ -147,9 +149,22 @@ class CompositeQuadric(Placing):
     def _features(self) -> Features:
         known: Features | None = self._search.get("features")
         if known is None:
-            names = Names(self.name, self.parts, self.surfaces)
-            known = self._search["features"] = derive(self.tree, self.surfaces, names, self._rough_box, self._reaches)
+            known = self._search["features"] = self._of_origin() or self._derived()
         return known
+
+    def _derived(self) -> Features:
+        names = Names(self.name, self.parts, self.surfaces)
+        return derive(self.tree, self.surfaces, names, self._rough_box, self._reaches)
+
+    def _of_origin(self) -> Features | None:
+        """Those of the model that this one is a translate of, which are worked out once for all of these."""
+        if self.translate_of is None:
+            return None
+        from firstcontact.body.solid.translates import translated
+
+        origin, (x, y, z) = self.translate_of
+        matrix = (*shift((x, y, z)), (ZERO, ZERO, ZERO, ONE))
+        return translated(origin._features(), (x, y, z), matrix, self.surfaces)
 
     def near(self, box: Box) -> CompositeQuadric | None:
         """What is the same set as this one in the box, of the surfaces alone that pass there; None where none do."""
@@ -292,7 +307,7 @@ class CompositeQuadric(Placing):
     def _with(self, **changes: object) -> CompositeQuadric:
         other = object.__new__(CompositeQuadric)
         other.__dict__.update(self.__dict__)
-        other.__dict__.update(_search={}, whole=None, source=None)
+        other.__dict__.update(_search={}, whole=None, source=None, translate_of=None)
         other.__dict__.update(changes)
         return other
 
@@ -313,7 +328,16 @@ class CompositeQuadric(Placing):
             _reaches=tuple(SurfaceReach(boxes[reach.box], reach.outside) for reach in self._reaches),
             _witness=witness,
             recipe=None if self.recipe is None else self.recipe.moved(matrix),
+            translate_of=self._origin_of(matrix),
         )
+
+    def _origin_of(self, matrix: Matrix) -> tuple[CompositeQuadric, Vector] | None:
+        """As `translate_of` of the image under a map."""
+        if not is_shift(matrix):
+            return None
+        origin, before = self.translate_of or (self, (ZERO, ZERO, ZERO))
+        x, y, z = (x + row[3] for x, row in zip(before, matrix, strict=True))
+        return origin, (x, y, z)
 
     # -- looking --------------------------------------------------------------------------------------------
 
@@ -546,7 +570,7 @@ class CompositeQuadric(Placing):
         return None
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "_search": {}}
+        return {**self.__dict__, "_search": {}, "translate_of": None}
 
 
 def _count(n: int, what: str) -> str:

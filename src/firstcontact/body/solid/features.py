@@ -413,7 +413,7 @@ class _Corners:
         return corner
 
     def merged(self, surfaces: frozenset[int], carrier: Point | AlgebraicPoint | EnclosedPoint) -> _Corner:
-        position, error = _rounded(carrier)
+        position, error = rounded(carrier)
         surfaces = self.regions.around(position, surfaces)  # all that pass there are met on some curves alone
         known = self.by_surfaces.setdefault(surfaces, [])
         for corner in known:
@@ -500,7 +500,7 @@ def enclosure(carrier: Point | AlgebraicPoint | EnclosedPoint) -> list[arb]:
     return values
 
 
-def _rounded(carrier: Point | AlgebraicPoint | EnclosedPoint) -> tuple[tuple[float, float, float], float]:
+def rounded(carrier: Point | AlgebraicPoint | EnclosedPoint) -> tuple[tuple[float, float, float], float]:
     """Doubles nearest the coordinates, and a bound on how far they are off."""
     with precision(BITS):
         balls = enclosure(carrier)

@@ -27,6 +27,7 @@ _ROOM, _SLACK = 1e-6, 1e-9
 # Of the size of a form's terms: far more than the roundings of its value.
 _ROUNDING = 2.0**-45
 # How often cells are halved at most.
+FEW = 8
 _LEVELS = 10
 # Numbers of surfaces of which it is sooner seen where the boundary is than which of all pairs meet: cells in which two
 # surfaces may meet are halved in each direction until they are too many.
@@ -188,6 +189,8 @@ class Regions:
 
     def seen_in(self, tree: Tree, region: Region) -> tuple[Tree | bool, tuple[int, ...]]:
         """The tree as it is in the region, and `signs` there; kept, as several curves have one region."""
+        if len(self.forms) <= FEW:
+            return tree, (0,) * len(self.forms)
         key = region[0].tobytes() + region[1].tobytes()
         if key not in self._seen:
             signs = self.signs(region)
