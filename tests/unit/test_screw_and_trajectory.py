@@ -301,6 +301,22 @@ def test_bounds_of_motions_without_end():
     assert np.all(np.isfinite(lo)) and hi[0] >= 0.5**0.5
 
 
+def test_bounds_of_turns_hold_all_places_and_little_more():
+    rng = np.random.default_rng(11)
+    for k in range(40):
+        axis, point = rng.normal(size=3), rng.normal(size=3) * 10.0 ** rng.integers(-2, 4)
+        motion = fc.Screw(axis, point, degrees=float(rng.uniform(-300, 300)), advance=float(rng.normal()) * (k % 2))
+        body = CUBE.translated((rng.normal(size=3) * 10.0 ** rng.integers(-1, 3)).tolist())
+        first, last = np.sort(rng.uniform(0, 1 if k % 4 else 50, 2)).tolist()
+        lo, hi = body.moving(motion).bounds((first, last))
+        poses = np.array([motion(t) for t in np.linspace(first, last, 400).tolist()])
+        points = body.vertices @ poses[:, :3, :3].transpose(0, 2, 1) + poses[:, None, :3, 3]
+        seen_lo, seen_hi = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+        assert np.all(lo <= seen_lo) and np.all(seen_hi <= hi), k
+        assert np.all(seen_lo - lo <= 0.02 * np.linalg.norm(seen_hi - seen_lo)), k
+        assert np.all(hi - seen_hi <= 0.02 * np.linalg.norm(seen_hi - seen_lo)), k
+
+
 def test_bounds_late_in_a_fast_turn():
     """At time 1e9 the angle itself has lost digits in floats; the box is right all the same."""
     motion, body = fc.Rotation((0, 0, 1), turns=Fraction(1, 3)), CUBE.translated((1000, 0, 0))

@@ -10,6 +10,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body import told
+from firstcontact.body.kept import Kept
 from firstcontact.body.placing import Placing
 from firstcontact.body.solid.carriers import (
     ONE,
@@ -61,6 +62,8 @@ SINGULAR = 2.0**-40
 
 class NoSolid(InputError):
     """A combination without interior points, or one of all of space."""
+
+_REGIONS = Kept[Regions]()
 
 # Least length of a solid: squares of coefficients of its surfaces, one over squares of lengths, are still doubles.
 LEAST = 1 / LARGEST
@@ -168,8 +171,8 @@ class CompositeQuadric(Placing):
 
     def near(self, box: Box) -> CompositeQuadric | None:
         """What is the same set as this one in the box, of the surfaces alone that pass there; None where none do."""
-        region = tuple(np.array([to_double(x) for x in corner]) for corner in box)
-        tree = simplified(self.tree, Regions(self.surfaces, self._reaches).signs(region))  # type: ignore[arg-type]
+        lo, hi = (np.array([to_double(x) for x in corner]) for corner in box)
+        tree = self._tree_in(lo, hi)
         if isinstance(tree, bool):
             return None
         kept = sorted(surfaces_of(tree))
@@ -178,6 +181,16 @@ class CompositeQuadric(Placing):
             surfaces=tuple(self.surfaces[k] for k in kept), tree=renumbered(tree, leaves), forms=self.forms[kept],
             parts=(), _box=None, _reaches=tuple(self._reaches[k] for k in kept), recipe=None,
         )  # fmt: skip
+
+    def passing(self, lo: np.ndarray, hi: np.ndarray) -> list[Surface]:
+        """The surfaces that tell what is in the solid, of all points in a box."""
+        tree = self._tree_in(lo, hi)
+        return [] if isinstance(tree, bool) else [self.surfaces[k] for k in surfaces_of(tree)]
+
+    def _tree_in(self, lo: np.ndarray, hi: np.ndarray) -> Tree | bool:
+        """The tree without what is known of all points in a box."""
+        regions = _REGIONS.of(self, lambda: Regions(self.surfaces, self._reaches))
+        return simplified(self.tree, regions.signs((lo, hi)))
 
     def united(self) -> list[CompositeQuadric]:
         """The solids whose union this is, as it was put together; this one alone where it is none."""
@@ -414,14 +427,14 @@ class CompositeQuadric(Placing):
     def _values(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(surfaces, n) values of the forms at (n, 3) float64 points, and bounds on their errors."""
         x = np.column_stack([p, np.ones(len(p))])
-        values = np.einsum("ni,sij,nj->sn", x, self.forms, x, optimize=True)
+        values = np.einsum("snj,nj->sn", x @ self.forms, x)
         # coefficients, products and sums of sixteen terms: fewer than 32 roundings of relative size 2^-53;
         # input numbers that are no doubles add one more per coordinate
         return values, self._sizes(np.abs(x)) * (40 * 2.0**-53) + 1e-290
 
     def _sizes(self, x: np.ndarray) -> np.ndarray:
         """(surfaces, n): the sizes of the forms' terms at (n, 4) points that are not negative."""
-        sizes: np.ndarray = np.einsum("ni,sij,nj->sn", x, np.abs(self.forms), x, optimize=True)
+        sizes: np.ndarray = np.einsum("snj,nj->sn", x @ np.abs(self.forms), x)
         return sizes
 
     def gradient(self, surface: int, x: np.ndarray) -> np.ndarray:

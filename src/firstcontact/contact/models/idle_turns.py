@@ -7,7 +7,7 @@ than the other one comes, with its turn or without: a pin that turns about the a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -18,7 +18,6 @@ from flint import fmpq
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.revolution import is_same
 from firstcontact.contact.carried import carried
-from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.vectors import cross
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation
@@ -92,6 +91,7 @@ def keeps_along(body: Body, turn: Rotation) -> bool:
 
 def _keeps_near(body: Body, turn: Rotation, other: Body, span: Span) -> bool:
     """The same, or only as far as the other body comes that makes the turn."""
+    assert isinstance(other, Moving)
     if not _goes_along(body, turn):
         return False
     return _is_round(shape_of(body), turn) or _is_round_near(body, turn, other, span)
@@ -115,25 +115,29 @@ def _is_round(shape: Shape, turn: Rotation) -> bool:
     return round_about
 
 
-def _is_round_near(body: Body, turn: Rotation, other: Body, span: Span) -> bool:
+def _is_round_near(body: Body, turn: Rotation, other: Moving, span: Span) -> bool:
     """Whether it is the same set as a model of revolution about the turn's axis where the other body comes."""
     model = shape_of(body)
     if not isinstance(model, CompositeQuadric):
         return False
     if not any(is_same(surface, turn.axis, turn.point) for surface in model.surfaces):
         return False
-    region = _region(body, other, span)
+    if not _is_round_in(_region(body, (other,), span), model, turn):
+        return False  # nor is it in more of space
+    assert isinstance(other.motion, Rotation | Screw)
+    unturned = Moving(other.body, _ahead(other.motion))
+    return _is_round_in(_region(body, (other, unturned), span), model, turn)
+
+
+def _is_round_in(region: np.ndarray, model: CompositeQuadric, turn: Rotation) -> bool:
     if not np.isfinite(region).all():
         return False
-    lo, hi = ((exact_value(x), exact_value(y), exact_value(z)) for x, y, z in region.tolist())
-    near = model.near((lo, hi))
-    return near is None or near.is_round(turn.axis, turn.point)
+    return all(is_same(surface, turn.axis, turn.point) for surface in model.passing(*region))
 
 
-def _region(body: Any, other: Any, span: Span) -> np.ndarray:
-    """Corners (2, 3) of a box, in the frame of a body that shifts at most, of all places of the other one with and
-    without its turn."""
-    boxes = np.array([way.bounds(span) for way in (other, Moving(other.body, _ahead(other.motion)))])
+def _region(body: Body, ways: Iterable[Body], span: Span) -> np.ndarray:
+    """Corners (2, 3) of one box, in the frame of a body that shifts at most, of all places of others."""
+    boxes = np.array([way.bounds(span) for way in ways])
     shifts = np.array([body.motion(t)[:3, 3] if isinstance(body, Moving) else np.zeros(3) for t in span])
     lo, hi = boxes[:, 0].min(axis=0) - shifts.max(axis=0), boxes[:, 1].max(axis=0) - shifts.min(axis=0)
     slack = 1e-12 * (np.abs(boxes).max() + np.abs(shifts).max())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +31,10 @@ PER_TURN = 64
 BULGE = 0.1252  # > (x / 2) / sin(x / 2) / 8 for x <= 2 pi / 64
 # Far more than the rounding of a few products of poses, relative to the largest number in them.
 ROUNDING = 1e-13
+# Of the size of a body: what poses in doubles may misplace its points by, else they are rounded once.
+FINE = 1e-12
+# Points times poses whose places are worked out together.
+AT_ONCE = 20_000
 # Equal parts of a rational motion whose control points are taken.
 PARTS = 8
 
@@ -95,9 +99,28 @@ def _step_box(step: Single, t0: float, t1: float, points: np.ndarray, blur: floa
         t0, t1 = (0.0, 2 * math.pi / abs(step.radians)) if turns else (0.0, 0.0)
         turns = min(turns, 1.0)
     parts = max(1, math.ceil(PER_TURN * turns))
-    lo, hi, chord, size = _hull([step(float(t)) for t in np.linspace(t0, t1, parts + 1)], points)
+    times = np.linspace(t0, t1, parts + 1)
+    poses, off = _poses(step, times, float(np.abs(points).max()))
+    lo, hi, chord, size = _hull(poses, points)
     bulge = BULGE * (2 * math.pi * turns / parts) * chord
-    return _grown(lo + ahead[0], hi + ahead[1], blur + bulge, size)
+    return _grown(lo + ahead[0], hi + ahead[1], blur + bulge + off, size)
+
+
+def _poses(step: Screw, times: np.ndarray, size: float) -> tuple[np.ndarray, float]:
+    """Poses (n, 4, 4), and by how much they misplace points so far from the origin: in doubles where that is little."""
+    point, angle = np.array([to_double(x) for x in step.point]), step.radians
+    across = size + float(np.abs(point).max())
+    off = 1e-14 * (1.0 + abs(angle) * float(np.abs(times).max())) * across
+    if not off <= FINE * size:
+        return np.array([step(float(t)) for t in times]), 0.0
+    axis = np.array([to_double(x) for x in step.axis])
+    (x, y, z) = axis / np.linalg.norm(axis)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turned = angle * times[:, None, None]
+    poses = np.tile(np.eye(4), (len(times), 1, 1))
+    poses[:, :3, :3] += np.sin(turned) * cross + (1.0 - np.cos(turned)) * (cross @ cross)
+    poses[:, :3, 3] = point - poses[:, :3, :3] @ point + times[:, None] * _advance(step)
+    return poses, off
 
 
 def _precise(step: Single) -> Single:
@@ -105,8 +128,14 @@ def _precise(step: Single) -> Single:
     return Screw(step.axis, step.point, **{step.unit: step.angle}) if isinstance(step, Rotation) else step
 
 
-def _hull(poses: np.ndarray | Sequence[np.ndarray], points: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
+def _hull(poses: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Box of the points in all poses, longest way of a point between neighbouring poses, largest number met."""
+    if len(points) * len(poses) <= AT_ONCE:
+        moved = points @ poses[:, :3, :3].transpose(0, 2, 1) + poses[:, None, :3, 3]
+        steps = moved[1:] - moved[:-1]
+        chord = float(np.sqrt((steps * steps).sum(axis=2).max(initial=0.0)))
+        sizes = np.abs(points).max() * np.abs(poses[:, :3, :3]).sum(axis=2).max(), np.abs(poses[:, :3, 3]).max()
+        return moved.min(axis=(0, 1)), moved.max(axis=(0, 1)), chord, float(max(sizes))
     lo, hi, chord, size, last = np.full(3, np.inf), np.full(3, -np.inf), 0.0, 0.0, None
     for pose in poses:
         linear, shift = pose[:3, :3], pose[:3, 3]
