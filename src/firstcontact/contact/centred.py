@@ -33,6 +33,7 @@ BESIDE = 2.0
 _Place = tuple[float, tuple[float, ...], float]
 """Size, middle, and the greatest coordinate of it; ordered by size."""
 _PLACE = Kept[_Place]()
+_FAR_AWAY = np.full(3, math.inf)
 _COPIES = Kept[dict[tuple[Vector, str | None], Any]]()
 """Shifted shapes, by the shift and their name: they keep what queries work out about them."""
 
@@ -86,14 +87,29 @@ def _shift(query: Query, far: float) -> Vector | None:
 
 def _place(shape: Shape, query: Query) -> _Place:
     def found() -> _Place:
-        lo, hi = shape.bounds(query.span)
+        lo, hi = _seen(shape, query.span) if deforms else shape.bounds(query.span)
         size = float((hi - lo).max())
         if not 0.0 < size < math.inf:  # points, and what has no end, tell no size
             return math.inf, (0.0, 0.0, 0.0), 0.0
         middle = 0.5 * (lo + hi)
         return size, tuple(middle.tolist()), float(np.abs(middle).max())
 
-    return found() if getattr(shape, "deforming", False) else _PLACE.of(shape, found)
+    deforms = getattr(shape, "deforming", False)
+    return found() if deforms else _PLACE.of(shape, found)
+
+
+def _seen(shape: Any, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of a box of some places of a surface: its place need not be known closely."""
+    if not shape.bounded:
+        return -_FAR_AWAY, _FAR_AWAY
+    times = np.linspace(*span, 3)
+    points: list[np.ndarray] = []
+    for piece in shape.pieces:
+        first, last = (-1.0, 1.0) if piece.u is None else map(float, piece.u)
+        points += [side.samples(np.linspace(first, last, 5), times).reshape(-1, 3) for side in piece.sides]
+    seen = np.concatenate(points)
+    seen = seen[np.isfinite(seen).all(axis=1)]
+    return (seen.min(axis=0), seen.max(axis=0)) if len(seen) else (-_FAR_AWAY, _FAR_AWAY)
 
 
 def _shifted(query: Query, by: Vector) -> Query:

@@ -146,6 +146,17 @@ class RationalCurve:
         n, m = (max(key[k] for table in tables for key in table) + 1 for k in (0, 1))
         return tuple(tuple(tuple(int(t.get((i, j), 0)) for j in range(m)) for i in range(n)) for t in tables)
 
+    def samples(self, u: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """(n, m, 3) float64 points at parameters (n,) and times (m,), also of a curve that deforms; infinite at poles."""
+        tables = self.coefficients
+        scale = max(abs(c) for table in tables for row in table for c in row)
+        rows = np.array([[[to_double(fmpq(c, scale)) for c in row] for row in table] for table in tables])
+        powers = (np.power.outer(x, np.arange(count)) for x, count in zip((u, times), rows.shape[1:], strict=True))
+        values = np.einsum("kij,ui,tj->utk", rows, *powers)
+        with np.errstate(all="ignore"):
+            found: np.ndarray = values[..., :3] / values[..., 3:]
+            return found
+
     def mapped(self, matrix: Matrix) -> RationalCurve:
         """The curve under an affine map (3x4, rational)."""
         scale = reduce(fmpz.lcm, (x.q for row in matrix for x in row))
