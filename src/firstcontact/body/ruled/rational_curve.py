@@ -147,7 +147,7 @@ class RationalCurve:
         return tuple(tuple(tuple(int(t.get((i, j), 0)) for j in range(m)) for i in range(n)) for t in tables)
 
     def samples(self, u: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """(n, m, 3) float64 points at parameters (n,) and times (m,), also of a curve that deforms; infinite at poles."""
+        """(n, m, 3) float64 points at parameters (n,) and times (m,), deforming or not; infinite at poles."""
         tables = self.coefficients
         scale = max(abs(c) for table in tables for row in table for c in row)
         rows = np.array([[[to_double(fmpq(c, scale)) for c in row] for row in table] for table in tables])
