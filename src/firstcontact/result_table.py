@@ -189,6 +189,8 @@ class _Table(Generic[R, A]):
 
         Raises what the question raised.
         """
+        if not isinstance(row, int | np.integer):
+            raise TypeError(f"question {row!r}; questions are counted from 0, columns are attributes")
         if not -len(self) <= row < len(self):
             raise IndexError(f"question {row} of {len(self)}")
         return self._ask(int(row) % len(self))

@@ -163,7 +163,7 @@ ROWS = [
     (
         "named list",
         lambda: str(fc.first_contact(cube().named(["x"]).moving(slide()), cube().translated((0, 0, 9)))),
-        None,
+        "name is ['x']; give a text",
     ),
     ("load long", lambda: P.load("x" * 5000 + ".stl"), ""),
     ("load long no suffix", lambda: P.load("x" * 5000), ""),
@@ -778,6 +778,39 @@ ROWS += [
     *[(f"range {key} {k}", lambda key=key, x=x: strip(**{key: x}), f and f"{f}{key}")
       for key in ("u", "s") for k, (x, f) in RANGES.items()],
     *[(f"numerators {k}", lambda x=x: fc.RationalCurve(x), f) for k, (x, f) in NUMERATORS.items()],
+]  # fmt: skip
+
+
+# -- mechanisms, tools ----------------------------------------------------------------------------------------
+
+
+def gate():
+    post, bar = fc.box((1, 1, 1)), fc.box((1, 1, 1)).translated((3, 0, 0))
+    joint = fc.Joint("hinge", "revolute", "post", "bar", limits=(0, 90))
+    return fc.Mechanism({"post": post, "bar": bar}, [joint])
+
+
+def swung():
+    return gate().course([0, 1], {"hinge": [0, 1]})
+
+
+def milled(tools, bodies):
+    return list(fc.ToolPath("examples/pocket.nc", start=(0, 0, 80)).verdicts(tools, bodies))
+
+
+MILL = [("flutes", "cutter", 6, 20)]
+ROWS += [
+    ("links in a list", lambda: fc.Mechanism([ball()], []), "links are [<CompositeQuadric"),
+    ("skip of no link", lambda: fc.Mechanism({"a": ball()}, [], skip=[("a", "b")]), "skip: no link 'b'"),
+    ("chain to no link", lambda: gate().chain("roof"), "chain: no link 'roof'; the links are 'post', 'bar'"),
+    ("against a number", lambda: swung().first_contacts(against=[5]), "5 is no body"),
+    ("against a body", lambda: swung().first_contacts(against=ball()), "against is <CompositeQuadric"),
+    ("velocities of lines", lambda: gate().course([0, 1], {"hinge": [0, 1]}, velocities={"hinge": [1, 1]}),
+     'velocities are for interpolation="cubic"'),
+    ("a sweep at its own value", lambda: gate().sweep("hinge", at={"hinge": 45}), "joint 'hinge' is driven"),
+    ("a name that is a number", lambda: ball().named(5), "name is 5; give a text"),
+    ("tool bodies in a list", lambda: milled(fc.Tool(MILL), [ball()]), "bodies are [<CompositeQuadric"),
+    ("a number for a tool", lambda: milled(5, {"clamp": ball()}), "tools are 5; give an fc.Tool"),
 ]  # fmt: skip
 
 

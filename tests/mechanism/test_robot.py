@@ -135,12 +135,45 @@ def test_meshes_of_packages(tmp_path):
     assert fc.Robot.load(away, packages={"robot": tmp_path / "my_robot"}).links["a"]
 
 
+def test_a_mesh_that_was_written_anew_is_read_anew(tmp_path):
+    """It was kept by its path: a robot read after its file had changed was FREE where it meets something."""
+    shape = '<collision><geometry><mesh filename="part.stl"/></geometry></collision>'
+    (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="a">{shape}</link></robot>')
+    for length in (1.0, 10.0):
+        fc.examples.box((length, 1, 1)).to_trimesh().export(tmp_path / "part.stl")
+        (body,) = fc.Robot.load(tmp_path / "r.urdf").links["a"]
+        assert np.ptp(body.vertices[:, 0]) == length
+
+
+def test_wrong_files_and_links_are_named():
+    with pytest.raises(fc.InputError, match="describes links and joints, as URDF does"):
+        fc.Robot.load(LAMP, srdf=LAMP)
+    with pytest.raises(fc.InputError, match="skip: no link 'neck'; the links are 'foot'"):
+        fc.Robot.load(LAMP, skip=[("foot", "neck")])
+    with pytest.raises(fc.InputError, match="path is 5; give that of a URDF file"):
+        fc.Robot.load(5)
+
+
 @pytest.mark.parametrize(
     ("change", "fault"),
     [
         (('type="revolute"', 'type="floating"'), "joint 'turn' is 'floating'"),
         (('<child link="lower"/>', '<child link="ball"/>'), "names the link 'ball', which is not there"),
         (("</robot>", ""), "no XML (no element found"),
+        (('size="0.03 0.03 0.3"', 'size="0.03 0.03"'), "link 'lower': collision 0: size of its box is '0.03 0.03'"),
+        (('size="0.03 0.03 0.3"', 'size="0.03"'), "give 3 numbers"),
+        (('axis xyz="0 0 1"', 'axis xyz="0 0"'), "joint 'turn': xyz of its axis is '0 0'; give 3 numbers"),
+        (('axis xyz="0 0 1"', 'axis xyz="0 0 0"'), "joint 'turn': its axis is 0 0 0"),
+        (('<sphere radius="0.06"/>', "<mesh/>"), "link 'shade': collision 0: its mesh has no filename"),
+        (('<sphere radius="0.06"/>', '<mesh filename="a.stl" scale="1 1"/>'), "scale of its mesh is '1 1'"),
+        (('<sphere radius="0.06"/>', '<mesh filename="a.stl" scale="0 1 1"/>'), "give numbers other than 0"),
+        (('<sphere radius="0.06"/>', '<sphere radius="0.06"/><sphere radius="1"/>'), "2 shapes in one geometry"),
+        (('radius="0.1"', 'radius="-0.1"'), "link 'foot': collision 0: the radius of its cylinder is '-0.1'"),
+        (('radius="0.1"', 'radius="0,1"'), "radius of its cylinder is '0,1'; give one number"),
+        (('radius="0.1"', ""), "radius of its cylinder is None; give one number"),
+        (('xyz="0 0 0.2"', 'xyz="0 0"'), "xyz of its origin is '0 0'"),
+        (('<child link="lower"/>', ""), "joint 'turn' has no child"),
+        (('name="tilt"', ""), "a joint has no name"),
     ],
 )
 def test_faults_of_descriptions(tmp_path, change, fault, capsys):

@@ -6,7 +6,7 @@ from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, Self, overload
 
 from firstcontact.body.kept import Kept
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational
 from firstcontact.exact.rigid import Matrix, determinant, near_rotation, shift
 from firstcontact.motion.moving import Moving
@@ -76,6 +76,8 @@ class Placing(Written):
         return _HASH.of(self, lambda: hash(self._facts()))
 
     def named(self, name: str | None) -> Self:
+        if name is not None and not isinstance(name, str):
+            raise InputError(f"name is {shown(name)}; give a text")
         return self._with(name=name)
 
     def translated(self, v: Iterable[Given]) -> Self:

@@ -63,7 +63,8 @@ def _fields(p: Ruled, q: Ruled, tolerance: float, box: Box | None, method: str) 
     if method == "algebraic" and strips:
         raise UnsupportedPair(f"{strips[0]!r} has several pieces; give two of its pieces at a time, or another method")
     if box is not None and (method == "certified" or strips):
-        raise UnsupportedPair('a box cuts the curve on the exact path only; leave it out, or give single pieces')
+        instead = "give two of its pieces at a time" if strips else 'use method="auto"'
+        raise UnsupportedPair(f"a box cuts the curve on the exact path only; leave it out, or {instead}")
     if takes_kernels(p, q, method, box):
         fields = certified_curve(p, q, tolerance, settles=bool(strips) or method == "certified")
         if method == "certified" or strips or not fields["open_places"]:

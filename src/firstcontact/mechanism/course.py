@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from flint import fmpq
 
 from firstcontact import query
+from firstcontact.contact.table import as_body, kind_of
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value
 from firstcontact.mechanism.values import followed, known, polynomials, read_times
 from firstcontact.motion.linkage import Drive, Linkage
@@ -37,6 +39,8 @@ class Course:
         self.times: tuple[fmpq, ...] = read_times(times)
         known(mechanism.free, values, "values")
         known(mechanism.free, velocities or {}, "velocities")
+        if velocities and interpolation == "linear":
+            raise InputError('velocities are for interpolation="cubic"; "linear" takes none')
         given = {
             name: polynomials(name, self.times, values.get(name, 0), interpolation, (velocities or {}).get(name))
             for name in mechanism.free
@@ -86,6 +90,7 @@ class Course:
 
         against: other bodies, each of which is paired with all that moves beside it.
         """
+        against = _others(against)
         bodies = self.bodies
         for x, y in itertools.combinations(self.mechanism.links, 2):
             between = set(self._chain(x)) ^ set(self._chain(y))
@@ -99,11 +104,11 @@ class Course:
 
     def first_contacts(self, against: Iterable[Body] = (), **arguments: Unpack[FirstArguments]) -> list[FirstContact]:
         """The first contact of each pair, with the values of the joints; arguments as of `first_contact`."""
-        return [query.first_contact(a, b, **arguments) for a, b in self.pairs(list(against))]
+        return [query.first_contact(a, b, **arguments) for a, b in self.pairs(against)]
 
     def contact_intervals(self, against: Iterable[Body] = (), **arguments: Unpack[Arguments]) -> list[ContactIntervals]:
         """All times of contact of each pair; arguments as of `contact_intervals`."""
-        return [query.contact_intervals(a, b, **arguments) for a, b in self.pairs(list(against))]
+        return [query.contact_intervals(a, b, **arguments) for a, b in self.pairs(against)]
 
     def stretch(self, time: float) -> int:
         """Between which given times a time lies: that many of them, less one, are not after it."""
@@ -111,3 +116,13 @@ class Course:
 
     def __repr__(self) -> str:
         return f"<Course of {len(self._drives)} joints at {len(self.times)} times>"
+
+
+def _others(against: Iterable[Body]) -> list[Body]:
+    """Bodies beside a mechanism.  InputError for what is none."""
+    if isinstance(against, str | Mapping) or not hasattr(against, "__iter__"):
+        raise InputError(f"against is {shown(against)}; give a list of bodies")
+    others = [as_body(x) for x in against]
+    for other in others:
+        kind_of(other)
+    return others

@@ -44,16 +44,21 @@ class Mechanism:
         self, links: Mapping[str, AnyBody | Sequence[AnyBody]], joints: Iterable[Joint], *,
         skip: Iterable[Iterable[str]] = (),
     ) -> None:  # fmt: skip
+        if not isinstance(links, Mapping):
+            raise InputError(f"links are {shown(links)}; give a dict of bodies by the names of their links")
         self.links = {name: _bodies(name, given) for name, given in links.items()}
         self.joints = {joint.name: joint for joint in _joints(joints)}
         self.skip = frozenset(frozenset(pair) for pair in skip)
         self._above = self._parents()
+        for link in {link: None for pair in self.skip for link in pair}:
+            self._known(link, "skip")
         for name in self.links:
             self.chain(name)
         self._check_mimics()
 
     def chain(self, link: str) -> list[Joint]:
         """The joints from the root to the link."""
+        self._known(link, "chain")
         found: list[Joint] = []
         while link in self._above:
             joint = self._above[link]
@@ -90,13 +95,15 @@ class Mechanism:
         """The values of each joint, or of one, within its limits at which links share a point; others at `at`, or 0."""
         return swept(self, joint, at or {})
 
+    def _known(self, link: str, who: str) -> None:
+        if link not in self.links:
+            raise InputError(f"{who}: no link {link!r}; the links are {', '.join(map(repr, self.links))}")
+
     def _parents(self) -> dict[str, Joint]:
         above: dict[str, Joint] = {}
         for joint in self.joints.values():
             for link in (joint.parent, joint.child):
-                if link not in self.links:
-                    names = ", ".join(map(repr, self.links))
-                    raise InputError(f"joint {joint.name!r}: no link {link!r}; the links are {names}")
+                self._known(link, f"joint {joint.name!r}")
             if joint.child in above:
                 other = above[joint.child].name
                 raise InputError(f"link {joint.child!r} hangs on two joints, {other!r} and {joint.name!r}; give a tree")

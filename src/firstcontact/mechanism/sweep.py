@@ -46,6 +46,8 @@ class Sweep:
 
 def swept(mechanism: Mechanism, joint: str | None, at: JointValues) -> list[Sweep]:
     """The sweeps of all joints with limits, or of one."""
+    if joint is not None and joint in at:
+        raise InputError(f"joint {joint!r} is driven through its limits; leave it out of at")
     return [sweep_of(mechanism, name, at) for name in swept_joints(mechanism, joint)]
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.mechanism.joints import Joint
 from firstcontact.mechanism.mechanism import Mechanism
 from firstcontact.robot import srdf as semantic
@@ -37,8 +37,12 @@ class Robot(Mechanism):
         place = np.eye(4) if base is None else np.asarray(base, float)
         if place.shape != (4, 4):
             raise InputError(f"base has the shape {place.shape}; give a 4x4 pose")
+        if not isinstance(path, str | Path):
+            raise InputError(f"path is {shown(path)}; give that of a URDF file")
         read = urdf.read(Path(path), packages or {}, place)
-        pairs = [*skip, *(semantic.disabled(Path(srdf)) if srdf is not None else []), *adjacent(read.joints)]
+        off = semantic.disabled(Path(srdf)) if srdf is not None else []  # such files may be about more links
+        known = [pair for pair in off if read.links.keys() >= set(pair)]
+        pairs = [*skip, *known, *adjacent(read.joints)]
         robot = cls(read.links, read.joints, skip=pairs)
         robot.name = read.name
         robot.files = (Path(path), *read.files, *([] if srdf is None else [Path(srdf)]))

@@ -10,7 +10,10 @@ from firstcontact.errors import InputError
 
 def disabled(path: Path) -> list[tuple[str, str]]:
     """The pairs of links of all `disable_collisions`."""
-    pairs = [(x.get("link1"), x.get("link2")) for x in tree(path).iter("disable_collisions")]
+    root = tree(path)
+    if root.find("joint/parent") is not None:
+        raise InputError(f"{path}: describes links and joints, as URDF does; give the SRDF file of disabled pairs")
+    pairs = [(x.get("link1"), x.get("link2")) for x in root.iter("disable_collisions")]
     return [(a, b) for a, b in pairs if a is not None and b is not None]
 
 

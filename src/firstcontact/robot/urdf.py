@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +17,7 @@ from firstcontact.io.meshes import FORMATS
 from firstcontact.mechanism.joints import Joint
 from firstcontact.motion.poses import Pose, read_poses
 from firstcontact.robot import srdf as semantic
+from firstcontact.robot.checked import check
 from firstcontact.robot.packages import found
 
 if TYPE_CHECKING:
@@ -44,18 +44,17 @@ def read(path: Path, packages: Mapping[str, str | Path], base: np.ndarray) -> De
     Poses are products of doubles, and each stands for the nearest rotation: within a few 1e-16 of what the file says.
     Vertices of meshes are placed in doubles too.
     """
-    robot = _parsed(path)
+    robot, meshes = _parsed(path), dict[Path, Polyhedron]()
     homes = _homes(path, robot, base)
     links = {
         link.name: [
-            _body(path, packages, link.name, k, shape, homes[link.name] @ _matrix(shape.origin))
+            _body(path, packages, meshes, link.name, k, shape, homes[link.name] @ _matrix(shape.origin))
             for k, shape in enumerate(link.collisions or [])
         ]
         for link in robot.links
     }
-    meshes = (shape.geometry.mesh for link in robot.links for shape in link.collisions or [])
-    files = [found(mesh.filename, path, packages) for mesh in meshes if mesh is not None]
-    return Description(robot.name, links, [_joint(path, joint, homes[joint.child]) for joint in robot.joints], files)
+    joints = [_joint(path, joint, homes[joint.child]) for joint in robot.joints]
+    return Description(robot.name, links, joints, list(meshes))
 
 
 def _parsed(path: Path) -> yourdfpy.urdf.Robot:
@@ -63,7 +62,7 @@ def _parsed(path: Path) -> yourdfpy.urdf.Robot:
         import yourdfpy
     except ImportError as error:
         raise InputError("robots need yourdfpy; install it: python -m pip install 'firstcontact[robot]'") from error
-    semantic.tree(path)  # the parser leaves out what it does not understand
+    check(path, semantic.tree(path))  # the parser leaves out what it does not understand, and raises what it meets
     logging.getLogger("yourdfpy").setLevel(logging.ERROR)  # it warns of meshes that are not asked for
     try:
         return yourdfpy.URDF.load(str(path), load_meshes=False, build_scene_graph=False).robot
@@ -120,20 +119,21 @@ def _joint(path: Path, joint: yourdfpy.urdf.Joint, home: np.ndarray) -> Joint:
 
 
 def _body(
-    path: Path, packages: Mapping[str, str | Path], link: str, k: int, shape: yourdfpy.urdf.Collision, place: np.ndarray
-) -> Polyhedron | CompositeQuadric:
-    """A shape of a link, by the link's name and, beyond the first, a number."""
+    path: Path, packages: Mapping[str, str | Path], meshes: dict[Path, Polyhedron], link: str, k: int,
+    shape: yourdfpy.urdf.Collision, place: np.ndarray,
+) -> Polyhedron | CompositeQuadric:  # fmt: skip
+    """A shape of a link, by the link's name and, beyond the first, a number; meshes: what was read of files so far."""
     name = link if k == 0 else f"{link}.{k}"
     geometry = shape.geometry
     if geometry.mesh is not None:
         file = found(geometry.mesh.filename, path, packages)
-        mesh = _mesh(file)
+        mesh = meshes[file] = meshes.get(file) or _mesh(file)
         scale = np.ones(3) if geometry.mesh.scale is None else np.asarray(geometry.mesh.scale, float)
         vertices = (mesh.vertices * scale) @ place[:3, :3].T + place[:3, 3]
         triangles = mesh.triangles if np.prod(scale) > 0 else mesh.triangles[:, ::-1]
         return Polyhedron(vertices, triangles, solid=mesh.solid, name=name)
     if geometry.box is not None:
-        solid = primitives.box(np.broadcast_to(geometry.box.size, 3).tolist())
+        solid = primitives.box(np.asarray(geometry.box.size).tolist())
     elif geometry.cylinder is not None:
         solid = primitives.cylinder(geometry.cylinder.radius, geometry.cylinder.length)
     elif geometry.sphere is not None:
@@ -144,7 +144,6 @@ def _body(
     return solid.transformed([*pose.matrix(), (0, 0, 0, 1)]).named(name)
 
 
-@cache
 def _mesh(file: Path) -> Polyhedron:
     if file.suffix.lower() in FORMATS:
         return Polyhedron.load(file)

@@ -13,7 +13,7 @@ import numpy as np
 from firstcontact.batch.verb import first_contacts
 from firstcontact.batch.workers import cores
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.kernels.workspace import workspace
 from firstcontact.motion.moving import Moving
 from firstcontact.search.trees.frame import tree_of
@@ -86,9 +86,11 @@ class Setup:
         self, tools: Tool | Iterable[Tool], bodies: Mapping[str, Body], allow: Sequence[Allowed] = CUTTING,
         workers: int | None = None,
     ) -> None:  # fmt: skip
-        self.tools = [tools] if isinstance(tools, Tool) else list(tools)
-        if not self.tools:
-            raise InputError("no tool; give an fc.Tool")
+        self.tools = [tools] if isinstance(tools, Tool) else list(tools) if isinstance(tools, Iterable) else []
+        if not self.tools or not all(isinstance(tool, Tool) for tool in self.tools):
+            raise InputError(f"tools are {shown(tools)}; give an fc.Tool, or several")
+        if not isinstance(bodies, Mapping):
+            raise InputError(f"bodies are {shown(bodies)}; give a dict of bodies by their names")
         self.allow, self.workers = tuple(allow), workers or cores()
         self.targets = [_target(name, body) for name, body in bodies.items()]
         if not self.targets:

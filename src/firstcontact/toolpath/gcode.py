@@ -39,6 +39,8 @@ BOW = fmpq(1, 8)
 """Tangent of half the angle of the parts of an arc in G18 and G19."""
 OFF, OFF_PART = 0.01, 1e-3
 """How far the end of an arc may be off the circle: millimetres, part of the radius."""
+MODAL = tuple(PLANES), ("90", "91"), ("90.1", "91.1"), ("20", "21"), ("98", "99")
+"""Of which one holds at a time."""
 PLAIN = {"0", "1", "2", "3", *CYCLES}
 CHANGE = "M6"
 
@@ -152,6 +154,10 @@ class _Reader:
         motions = [code for code in codes if code in PLAIN]
         if len(motions) > 1:
             raise self.fault(f"G{motions[1]}", f"beside G{motions[0]} in one block; give one motion")
+        for group in MODAL:
+            given = list(dict.fromkeys(code for code in codes if code in group))
+            if len(given) > 1:
+                raise self.fault(f"G{given[1]}", f"beside G{given[0]} in one block; give one of them")
         for code in codes:
             if code in PLAIN:
                 if code in CYCLES and m.mode not in CYCLES:
