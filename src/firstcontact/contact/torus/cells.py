@@ -93,28 +93,32 @@ class Triangles(Cells):
 class Wedges(Cells):
     """Of a torus: rows of two angles along its circle, two around that, and two parts of `minor` from it.
 
-    inner: 0 for all of the torus, 1 for its surface.  half_plane: of one half-plane about its axis alone.
+    inner: 0 for all of the torus, 1 for its surface; a sector goes by all of it.  half_plane: of one half-plane about
+    its axis alone.
     """
 
     flat = False
 
     def __init__(self, torus: Torus, inner: float, half_plane: bool = False) -> None:
-        (self.major, self.minor), self.inner, self.half_plane = torus.radii, inner, half_plane
-        self.reach, self.pose = self.major + self.minor, square(torus.pose)
+        (self.major, self.minor), (near, self.far) = torus.radii, torus.shares
+        self.inner = inner if torus.is_whole else near
+        self.along, self.around = torus.angles
+        self.half_plane = half_plane
+        self.width = self.major if torus.is_whole else self.major + self.far * self.minor
+        self.reach, self.pose = self.major + self.far * self.minor, square(torus.pose)
 
     def support(self, across: np.ndarray) -> np.ndarray:
-        return support(self.major, self.minor, across)
+        return support(self.major, self.far * self.minor, across)
 
     def samples(self) -> np.ndarray:
-        u, v = (x.ravel() for x in np.meshgrid(*[np.arange(SAMPLES) * (2.0 * math.pi / SAMPLES)] * 2))
+        parts = [first + (last - first) * np.arange(SAMPLES) / SAMPLES for first, last in (self.along, self.around)]
+        u, v = (x.ravel() for x in np.meshgrid(*parts))
         rho = self.major + self.minor * np.cos(v)
         return np.column_stack([rho * np.cos(u), rho * np.sin(u), self.minor * np.sin(v)])
 
     def all(self) -> np.ndarray:
-        ends = np.linspace(0.0, 2.0 * math.pi, PARTS + 1)
-        pairs = np.column_stack([ends[:-1], ends[1:]])
-        along = np.zeros((1, 2)) if self.half_plane else pairs
-        rows = [[*u, *v, self.inner, 1.0] for u in along.tolist() for v in pairs.tolist()]
+        along = np.zeros((1, 2)) if self.half_plane else _parts(*self.along)
+        rows = [[*u, *v, self.inner, self.far] for u in along.tolist() for v in _parts(*self.around).tolist()]
         return np.array(rows)
 
     def points(self, cells: np.ndarray) -> np.ndarray:
@@ -144,11 +148,17 @@ class Wedges(Cells):
 
     def halves(self, cells: np.ndarray) -> np.ndarray:
         u0, u1, v0, v1, near, far = cells.T
-        lengths = np.stack([(u1 - u0) * self.major, (v1 - v0) * self.minor * far, (far - near) * self.minor], axis=1)
+        lengths = np.stack([(u1 - u0) * self.width, (v1 - v0) * self.minor * far, (far - near) * self.minor], axis=1)
         k, rows = 2 * lengths.argmax(axis=1), np.arange(len(cells))
         one, other = cells.copy(), cells.copy()
         one[rows, k + 1] = other[rows, k] = 0.5 * (cells[rows, k] + cells[rows, k + 1])
         return np.concatenate([one, other])
+
+
+def _parts(first: float, last: float) -> np.ndarray:
+    """(n, 2) from one angle to another one, no part larger than those of a turn."""
+    ends = np.linspace(first, last, max(1, math.ceil(PARTS * (last - first) / (2.0 * math.pi) - 1e-9)) + 1)
+    return np.column_stack([ends[:-1], ends[1:]])
 
 
 def square(rows: np.ndarray) -> np.ndarray:
