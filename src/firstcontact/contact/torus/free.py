@@ -66,7 +66,7 @@ def roles_of(bodies: tuple[kinds.Body, kinds.Body]) -> Roles:
     torus, other = shapes[side], shapes[1 - side]
     half = is_round_pair(bodies, torus)
     heights = FormHeights(other) if other.kind == MODEL else Ring(other)
-    return Roles(side, Wedges(torus, 1.0, half), Wedges(torus, 0.0, half), heights)
+    return Roles(side, Wedges(torus, True, half), Wedges(torus, False, half), heights)
 
 
 def is_round_pair(bodies: tuple[kinds.Body, kinds.Body], torus: Torus) -> bool:
