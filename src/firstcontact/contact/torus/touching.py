@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 NEAR = 1e-5
 """Of sizes: features as near as that to a point near the contact are taken for those that touch."""
+FARTHER = 1e-3
+"""The same, where there is none as near: cells that are left at a contact in doubles may be as large."""
 STEPS = 12
 ACROSS = {2: 0, 0: 1, 1: 2}
 """The side of a triangle across from each corner."""
@@ -117,8 +119,10 @@ def of_model(model: CompositeQuadric, x: np.ndarray, size: float, which: str) ->
     point = np.append(x, 1.0)
     image = model.forms @ point
     values, lengths = image @ point, 2.0 * np.linalg.norm(image[:, :3], axis=1)
-    near = np.abs(values) <= NEAR * size * np.maximum(lengths, 1e-300)
-    feature = feature_at(model, np.where(near, 0, np.sign(values)).astype(int).tolist(), x)
+    feature = None
+    for part in (NEAR, FARTHER):
+        near = np.abs(values) <= part * size * np.maximum(lengths, 1e-300)
+        feature = feature or feature_at(model, np.where(near, 0, np.sign(values)).astype(int).tolist(), x)
     if feature is None:
         return Touching(None, [])
     forms = [model.forms[k] for k in feature.surfaces][:3]
