@@ -1,4 +1,4 @@
-"""What becomes of a solid: the file's own planes and quadrics, else triangles."""
+"""What becomes of a solid: the file's own planes, quadrics and tori, else triangles."""
 
 from __future__ import annotations
 
