@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import product
@@ -122,7 +122,7 @@ def _by_surfaces(solid: StepSolid, wanted: Wanted) -> Built:
     exact = [
         *(CompoundPiece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
           for x in found.cells),
-        *(CompoundPiece(x.sector, RoundNames(x.number, solid.labels)) for x in found.rounds),
+        *(CompoundPiece(x.sector, RoundNames(x.walls, solid.labels)) for x in found.rounds),
     ]  # fmt: skip
     _check_volume(solid, found.rough.corners, found.rough.deviation + found.off)
     shown = cache(lambda: (_mesh_piece(solid, triangulated(solid, cells.ROUGH * solid.size)),))
@@ -233,21 +233,25 @@ class CellNames:
         return self._told("face", list(groups[0]))
 
     def _told(self, kind: str, numbers: list[int]) -> tuple[str, int, str]:
-        """Of several, which have their surfaces in common, all are told."""
-        labels = [self.labels[kind][k] or str(k) for k in numbers]
-        return kind, numbers[0], " or ".join(labels[:4])
+        return told(kind, numbers, self.labels)
 
 
 @dataclass(frozen=True, eq=False)
 class RoundNames:
-    """Of a sector of a torus, whose first face is the file's face; its walls are none."""
+    """Of a sector of a torus: own: of its faces those that are some of the file's."""
 
-    number: int
+    own: dict[int, tuple[int, ...]]
     labels: dict[str, list[str]]
 
     def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
         """As `PieceNames`."""
-        return ("face", self.number, self.labels["face"][self.number] or str(self.number)) if index == 0 else None
+        numbers = self.own.get(index)
+        return None if not numbers else told("face", numbers, self.labels)
+
+
+def told(kind: str, numbers: Sequence[int], labels: dict[str, list[str]]) -> tuple[str, int, str]:
+    """Of several, which have their surfaces in common, all are told."""
+    return kind, numbers[0], " or ".join(labels[kind][k] or str(k) for k in numbers[:4])
 
 
 def _meeting(sets: tuple[frozenset[int], ...], groups: list[tuple[int, ...]]) -> list[int]:

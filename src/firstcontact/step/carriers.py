@@ -110,6 +110,11 @@ def revolved(p: Vector, d: Vector, a: float, b: float, c: float) -> Carrier:
     return Carrier(_round(p, d, ONE, radius, slope), _nappe(p, d, radius, slope, -1))
 
 
+def plane(normal: np.ndarray, place: np.ndarray) -> Carrier:
+    n, at = ([exact_value(x) for x in v.tolist()] for v in (normal, place))
+    return Carrier(Plane(primitive((*n, -dot(n, at)))))
+
+
 def _exact(v: gp_Pnt | gp_Dir) -> Vector:
     return exact_value(v.X()), exact_value(v.Y()), exact_value(v.Z())
 

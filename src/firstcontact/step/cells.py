@@ -22,7 +22,6 @@ from firstcontact.body.solid.carriers import (
     QuarticCurve,
     Surface,
     Vector,
-    dot,
     doubles,
     primitive,
 )
@@ -33,10 +32,10 @@ from firstcontact.body.solid.regions import halved, parts
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import exact_value
 from firstcontact.step.asking import Asking
-from firstcontact.step.carriers import Carrier, NotExact, carrier_of, is_on_torus
+from firstcontact.step.carriers import Carrier, NotExact, carrier_of, is_on_torus, plane
 from firstcontact.step.rims import rims
 from firstcontact.step.rough import Rough, rough
-from firstcontact.step.rounds import TANGENT, AskingRest, Round, Sheet
+from firstcontact.step.rounds import TANGENT, AskingRest, Round, joined
 from firstcontact.step.solids import StepSolid
 from firstcontact.step.trims import Trims
 
@@ -167,8 +166,8 @@ def cells_of(solid: StepSolid, most: int | None = None) -> Cut:
     off = _off_at_edges(problem)
     if off > MOST_OFF * solid.size:
         raise NotExact(f"its edges are up to {off:.2g} off the surfaces that meet there")
-    if not problem.carriers:  # a whole torus, whose edges are none
-        return Cut([], problem.rounds, max(each.askew for each in problem.rounds), problem.cut)
+    if not len(problem.samples):
+        return Cut([], problem.rounds, off if problem.carriers else problem.rounds[0].askew, problem.cut)
     lo, hi = solid.box
     room = ROOM * solid.size
     boxes = list(_boxes(problem, _even(lo - room, solid.size), _even(hi + room, solid.size), 0))
@@ -282,6 +281,7 @@ def _off_at_edges(problem: _Problem) -> float:
     from OCP.BRepAdaptor import BRepAdaptor_Curve
 
     solid, worst, seams = problem.solid, 0.0, set[tuple[int, int]]()
+    tubes = [tube for each in problem.rounds for tube in (each, each.bore) if tube is not None]
     for number, edge in enumerate(solid.edges):
         if solid.is_degenerate(number):
             continue
@@ -290,7 +290,7 @@ def _off_at_edges(problem: _Problem) -> float:
         points = np.array([_numbers(curve.Value(float(t))) for t in times])
         beside = solid.incidence[0][number]
         own = sorted({problem.of_face[face] for face in beside} - {ROUND})
-        rounds = [each for each in problem.rounds if each.number in beside]
+        rounds = [each for each in tubes if beside & set(each.numbers)]
         off = np.abs(_distances(problem.forms[own], points, problem.round_[own])).sum(axis=0)
         off = off + sum(each.distances(points) for each in rounds)
         if len(own) + len(rounds) == 2:
@@ -303,7 +303,7 @@ def _off_at_edges(problem: _Problem) -> float:
                 seams.add((own[0], own[1]))
             off = np.where(sine > TANGENT, off / np.maximum(sine, TANGENT), off)
         worst = max(worst, float(off.max()))
-    worst += max((each.askew for each in problem.rounds), default=0.0)
+    worst += max((each.askew for each in tubes), default=0.0)
     for i, j in seams:
         curves = common_curves(problem.surfaces[i], problem.surfaces[j])
         if any(isinstance(curve, QuarticCurve) for curve in curves):  # a conic, twice, but for rounding errors
@@ -335,26 +335,28 @@ def _problem(solid: StepSolid) -> _Problem:
             raise NotExact(f"{face_} is on no plane, cylinder, sphere, torus or single nappe of a cone")
         of_face.append(ROUND)
         rounds.append(Round(solid, number))
-    asking = Asking(solid)
+    asking, rounds = Asking(solid), joined(rounds)
     sheets = _sheets(rounds, known, of_face, asking)
     surfaces, count = known.surfaces, len(known.surfaces)
-    for plane in _cuts(solid, surfaces, of_face):
-        if known.numbers.setdefault((_key(plane), None), len(surfaces)) == len(surfaces):
-            surfaces.append(plane)
+    for cut_plane in _cuts(solid, surfaces, of_face):
+        if known.numbers.setdefault((_key(cut_plane), None), len(surfaces)) == len(surfaces):
+            surfaces.append(cut_plane)
     forms = np.array([doubles(s.matrix()) for s in surfaces]).reshape(-1, 4, 4)
     cut = rough(solid, ROUGH * solid.size)
     samples, faces = _samples(solid, cut, forms, of_face)
     normals = _outward(solid, forms, samples, faces, of_face)
     off = OFF * solid.size
     on, depth = np.array(of_face)[faces], np.full(len(samples), off)
-    for each, sheet, k in sheets:
-        x, n = each.samples(sheet)
+    for each in rounds:  # ends of bent tubes
+        own = ~each.removed(samples - off * normals)
+        samples, normals, on, depth = samples[own], normals[own], on[own], depth[own]
+    for each, k, x, n in sheets:
         samples, normals = np.concatenate([samples, x]), np.concatenate([normals, n])
         on, depth = np.append(on, np.full(len(x), k)), np.append(depth, np.full(len(x), min(off, each.depth)))
     labelled = np.concatenate([samples - depth[:, None] * normals, samples + depth[:, None] * normals])
     inside = np.repeat([True, False], len(samples))
     trims = Trims(solid)
-    trims.faces |= {each.number: each for each in rounds}
+    trims.faces |= {number: each for each in rounds for number in each.numbers}
     return _Problem(
         solid, cut, surfaces, known.nappes, forms, _round(forms), count, of_face, known.faces_on, samples, normals,
         on, labelled, inside, depth, AskingRest(asking, rounds) if rounds else asking, trims, rounds,
@@ -382,16 +384,19 @@ class _Carriers:
 
 def _sheets(
     rounds: list[Round], known: _Carriers, of_face: list[int], asking: Asking
-) -> list[tuple[Round, Sheet, int]]:
-    """What bounds the rest instead of faces on tori, with carriers.  Raises NotExact."""
+) -> list[tuple[Round, int, np.ndarray, np.ndarray]]:
+    """What bounds the rest instead of faces on tori: carriers, points, and normals.  Raises NotExact."""
     rng, found = np.random.default_rng(0), []
     for each in rounds:
         each.fit(asking, rng, {face: known.surfaces[k] for face, k in enumerate(of_face) if k != ROUND})
         for sheet in each.sheets():
             k = known.number(each.carrier(sheet)) if sheet.beside is None else of_face[sheet.beside]
-            if sheet.beside is None and each.number not in known.faces_on[k]:
-                known.faces_on[k] += (each.number,)
-            found.append((each, sheet, k))
+            if sheet.beside is None and not set(each.numbers) & set(known.faces_on[k]):
+                known.faces_on[k] += each.numbers
+            found.append((each, k, *each.samples(sheet)))
+    rest = AskingRest(asking, rounds)
+    for each in (x for x in rounds if x.around is None):
+        found += [(each, known.number(carrier), x, n) for carrier, x, n in each.caps(rest)]
     return found
 
 
@@ -449,7 +454,7 @@ def _outward(
     return normals
 
 
-def _cuts(solid: StepSolid, surfaces: list[Surface], of_face: list[int]) -> Iterator[Plane]:
+def _cuts(solid: StepSolid, surfaces: list[Surface], of_face: list[int]) -> Iterator[Surface]:
     """Planes through edges: of circles their own, of seams the one across both faces, else the two between them."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GeomAbs import GeomAbs_CurveType as Kind
@@ -462,26 +467,21 @@ def _cuts(solid: StepSolid, surfaces: list[Surface], of_face: list[int]) -> Iter
         curve = BRepAdaptor_Curve(edge)
         if curve.GetType() == Kind.GeomAbs_Circle:
             axis = curve.Circle().Axis()
-            yield _plane(_numbers(axis.Direction()), _numbers(axis.Location()))
+            yield plane(_numbers(axis.Direction()), _numbers(axis.Location())).surface
         elif curve.GetType() == Kind.GeomAbs_Line and len(beside[number]) == 2:
             middle = _numbers(curve.Value(0.5 * (curve.FirstParameter() + curve.LastParameter())))
             x = np.append(middle, 1.0)
             a, b = (n / np.linalg.norm(n) for n in ((forms[k] @ x)[:3] for k in beside[number]))
             along = _numbers(curve.Line().Direction())
             if np.linalg.norm(np.cross(a, b)) < TANGENT:
-                yield _plane(np.cross(along, a), middle)
+                yield plane(np.cross(along, a), middle).surface
             elif any(isinstance(surfaces[k], Quadric) for k in beside[number]):
-                yield _plane(np.cross(along, a + b), middle)
-                yield _plane(np.cross(along, a - b), middle)
+                yield plane(np.cross(along, a + b), middle).surface
+                yield plane(np.cross(along, a - b), middle).surface
 
 
 def _numbers(p: gp_Pnt | gp_Dir) -> np.ndarray:
     return np.array([p.X(), p.Y(), p.Z()])
-
-
-def _plane(normal: np.ndarray, place: np.ndarray) -> Plane:
-    n = [exact_value(x) for x in normal.tolist()]
-    return Plane(primitive((*n, -dot(n, [exact_value(x) for x in place.tolist()]))))
 
 
 # -- cells --------------------------------------------------------------------------------------------------------

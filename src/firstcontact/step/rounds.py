@@ -9,7 +9,7 @@ cut off: it reaches into the rest, so that nothing lies between them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -22,7 +22,7 @@ from firstcontact.body.torus.sector import Sweep, TorusSector
 from firstcontact.body.torus.torus import Torus
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix
-from firstcontact.step.carriers import Carrier, NotExact, revolved
+from firstcontact.step.carriers import Carrier, NotExact, plane, revolved
 from firstcontact.step.charts import Elementary
 from firstcontact.step.solids import StepSolid, forward
 
@@ -64,31 +64,64 @@ class Sheet:
 
 
 class Round:
-    """The face `number` of a solid, on a torus, with what is cut off along it."""
+    """A face of a solid, on a torus, with what is cut off along it; numbers: of all faces that it is made of.
+
+    bore: of a tube all around, the one within it about the same circle.
+    """
+
+    bore: Round | None
 
     def __init__(self, solid: StepSolid, number: int) -> None:
         from OCP.BRep import BRep_Tool
         from OCP.BRepTools import BRepTools
 
-        self.solid, self.number = solid, number
+        self.solid, self.bore = solid, None
+        self.numbers: tuple[int, ...] = (number,)
         self.chart = Elementary(BRep_Tool.Surface_s(solid.faces[number]))
         self.radii: tuple[float, float] = self.chart.surface.MajorRadius(), self.chart.surface.MinorRadius()
         told = BRepTools.UVBounds_s(solid.faces[number])
         u0, u1, v0, v1 = map(_even, told)
         self.moved: float = max(abs(x - y) for x, y in zip(told, (u0, u1, v0, v1), strict=True))
         """Angles as the file's numbers round them are quarter turns."""
-        self.along = None if u1 - u0 > TURN - CLOSE else (u0, u1)
-        self.around = None if v1 - v0 > TURN - CLOSE else (v0, v1)
-        self.ends = (u0, u1), (v0, v1)
-        self.parts = 1 if self.around is None else math.ceil((v1 - v0) / WIDEST)
+        self._reach((u0, u1), (v0, v1))
         self.beside: tuple[int | None, int | None] = (None, None)
         """Of a fillet, at either end: the face that goes on straight along the tangent there."""
         self.has_walls = False
         """Whether a fillet is cut off between walls, as a face goes on along a tangent, but not straight."""
 
+    def _reach(self, *ends: tuple[float, float]) -> None:
+        """From where to where, along and around."""
+        self.ends = ends
+        self.along, self.around = (None if last - first > TURN - CLOSE else (first, last) for first, last in ends)
+        self.parts = 1 if self.around is None else math.ceil((ends[1][1] - ends[1][0]) / WIDEST)
+
     @property
     def who(self) -> str:
-        return self.solid.named("face", self.number)
+        return self.solid.named("face", self.numbers[0])
+
+    def joins(self, other: Round) -> bool:
+        """Whether another face goes on where this one ends, on the same torus; then this one is both."""
+        if not (self._is_about(other) and self.radii == other.radii and self.is_hollow == other.is_hollow):
+            return False
+        for k in (0, 1):
+            (first, last), (start, end) = self.ends[k], other.ends[k]
+            alike = max(abs(_off(x, y)) for x, y in zip(self.ends[1 - k], other.ends[1 - k], strict=True)) < CLOSE
+            if alike and abs(_off(start, last)) < CLOSE and self.is_rectangle and other.is_rectangle:
+                joined, rest = (first, last + end - start), self.ends[1 - k]
+                self._reach(*((joined, rest) if k == 0 else (rest, joined)))
+                self.numbers, self.moved = self.numbers + other.numbers, max(self.moved, other.moved)
+                return True
+        return False
+
+    def is_bore_of(self, other: Round) -> bool:
+        same = self._is_about(other) and self.radii[0] == other.radii[0] and self.is_hollow and not other.is_hollow
+        ends = zip(self.ends[0], other.ends[0], strict=True)
+        all_around = self.around is None and other.around is None and self.is_rectangle
+        return same and all_around and max(abs(_off(x, y)) for x, y in ends) < CLOSE
+
+    def _is_about(self, other: Round) -> bool:
+        own, others = ([*x.chart.axes.tolist(), x.chart.origin.tolist()] for x in (self, other))
+        return own == others
 
     @cached_property
     def is_rectangle(self) -> bool:
@@ -96,16 +129,18 @@ class Round:
         from OCP.BRep import BRep_Tool
         from OCP.BRepAdaptor import BRepAdaptor_Curve2d
 
-        face = forward(self.solid.faces[self.number])
-        for use in self.solid.uses[self.number]:
+        (number,) = self.numbers
+        face = forward(self.solid.faces[number])
+        for use in self.solid.uses[number]:
             if BRep_Tool.Degenerated_s(use.edge):
                 continue
             curve = BRepAdaptor_Curve2d(use.edge, face)
             times = np.linspace(curve.FirstParameter(), curve.LastParameter(), 5).tolist()
             points = np.array([(p.X(), p.Y()) for p in map(curve.Value, times)])
-            off = [np.abs(points[:, k] - end).max() for k in (0, 1) for end in self.ends[k]]
-            if min(off) > CLOSE:
+            off = min(float(np.abs(points[:, k] - end).max()) for k in (0, 1) for end in self.ends[k])
+            if off > CLOSE:
                 return False
+            self.moved = max(self.moved, off)
         return True
 
     @cached_property
@@ -119,7 +154,8 @@ class Round:
         normal, place = at.Normal(), at.Value()
         point = np.array([[place.X(), place.Y(), place.Z()]])
         out = self.directions(point)[0] @ [normal.X(), normal.Y(), normal.Z()]
-        return bool((out > 0) == (self.solid.faces[self.number].Orientation() == TopAbs_Orientation.TopAbs_REVERSED))
+        is_turned = self.solid.faces[self.numbers[0]].Orientation() == TopAbs_Orientation.TopAbs_REVERSED
+        return bool((out > 0) == is_turned)
 
     # -- places -------------------------------------------------------------------------------------------------
 
@@ -164,7 +200,7 @@ class Round:
                 cut |= here & (s * np.cos(v - middle) < BEHIND)
             else:
                 cut |= here & (s * np.cos(v - first) < 1.0) & (s * np.cos(v - last) < 1.0)
-        near, far = (1.0, math.inf) if self.is_hollow else (0.0, 1.0)
+        near, far = (1.0, math.inf) if self.is_hollow else (0.0, 1.0)  # a bore is not of the solid
         return self._between(points, near, far, 0.0) & (cut | (self.around is None))
 
     def _between(self, points: np.ndarray, near: float, far: float, room: float) -> np.ndarray:
@@ -189,7 +225,7 @@ class Round:
     def shares(self) -> tuple[fmpq, fmpq]:
         """Of the sector, as parts of the tube's radius."""
         if self.around is None:
-            return fmpq(0), fmpq(1)
+            return (exact_value(self.bore.radii[1] / self.radii[1]) if self.bore else fmpq(0)), fmpq(1)
         half = 0.5 * (self.around[1] - self.around[0]) / self.parts
         if not self.is_hollow:
             return exact_value(DEEPER * math.cos(half)), fmpq(1)
@@ -199,7 +235,7 @@ class Round:
     def sector(self) -> Torus:
         """In the part's frame."""
         major, minor = (exact_value(x) for x in self.radii)
-        if self.along is None and self.around is None:
+        if self.along is None and self.around is None and self.bore is None:
             return Torus(major, minor, self.matrix)
         around, along = (None if ends is None else Sweep.between(*ends) for ends in (self.around, self.along))
         return TorusSector(major, minor, self.shares, around, along, self.matrix)
@@ -220,7 +256,7 @@ class Round:
             abs(sum((x * y for x, y in zip(p, q, strict=True)), fmpq(0)) - int(i == j))
             for i, p in enumerate(columns) for j, q in enumerate(columns)
         )  # fmt: skip
-        if self.around is None and self.along is None:
+        if self.around is None and self.along is None and self.bore is None:
             return to_double(off) * sum(self.radii)
         reach = sum(self.radii) + float(np.abs(self.chart.origin).max())
         return (to_double(off) + float(self.moved) + 1e-15) * reach
@@ -272,14 +308,39 @@ class Round:
         )
         return self.chart.origin + x, n
 
+    def caps(self, asking: AskingRest) -> Iterator[tuple[Carrier, np.ndarray, np.ndarray]]:
+        """Of a tube all around, where the rest begins at its ends: the plane, points, and normals as in `samples`."""
+        near, _ = self.shares
+        v, s = (x.ravel() for x in np.meshgrid(
+            np.arange(4 * ACROSS) * TURN / (4 * ACROSS),
+            to_double(near) + (1.0 - to_double(near)) * (np.arange(ACROSS) + 0.5) / ACROSS,
+        ))  # fmt: skip
+        rho, z = self.radii[0] + s * self.radii[1] * np.cos(v), s * self.radii[1] * np.sin(v)
+        for sign, u in zip((-1.0, 1.0), self.along or (), strict=self.along is not None):
+            points = self.chart.origin + np.stack([rho * math.cos(u), rho * math.sin(u), z], 1) @ self.chart.axes
+            out = sign * np.array([-math.sin(u), math.cos(u), 0.0]) @ self.chart.axes
+            goes_on = asking.inside(points + self.depth * out)
+            if goes_on.any():
+                yield plane(out, self.chart.origin), points[goes_on], np.tile(-out, (int(goes_on.sum()), 1))
+
+    @property
+    def walls(self) -> dict[int, tuple[int, ...]]:
+        """Of the sector's faces those that are some of the file's."""
+        found: dict[int, tuple[int, ...]] = {0: self.numbers}
+        if self.around is None and self.along is not None:
+            found |= {k: tuple(self._beside(end, 0)) for k, end in enumerate(self.along, 1 + (self.bore is not None))}
+        if self.bore is not None:
+            found[1] = self.bore.numbers
+        return found
+
     # -- checking -----------------------------------------------------------------------------------------------
 
     def fit(self, asking: Asking, rng: np.random.Generator, surfaces: Mapping[int, Surface]) -> None:
         """Finds how to cut it off, so that its sector is in the part; surfaces: of faces.  Raises NotExact."""
         if not self.is_rectangle:
             raise NotExact(f"{self.who}, on a torus, does not go from one angle to another one: other faces cut it")
-        if self.around is None and (self.is_hollow or self.along is not None):
-            raise NotExact(f"{self.who} is all around the tube of a torus, but not a whole one")
+        if self.around is None and self.is_hollow:
+            raise NotExact(f"{self.who}, on a torus, is a bent bore in what is no bent tube")
         if self.is_hollow:
             self.parts = math.ceil((self.ends[1][1] - self.ends[1][0]) / SHARPEST)
             self._look_beside(surfaces)
@@ -327,16 +388,16 @@ class Round:
                     return True
         return False
 
-    def _beside(self, end: float) -> list[int]:
-        """The faces across the edges at one end."""
+    def _beside(self, end: float, which: int = 1) -> list[int]:
+        """The faces across the edges at one end of the arc, or of the way along it (0)."""
         from OCP.BRepAdaptor import BRepAdaptor_Curve
 
-        found = []
-        for number in {use.number for use in self.solid.uses[self.number]}:
+        found: list[int] = []
+        for number in {use.number for face in self.numbers for use in self.solid.uses[face]}:
             curve = BRepAdaptor_Curve(self.solid.edges[number])
             p = curve.Value(0.5 * (curve.FirstParameter() + curve.LastParameter()))
-            if abs(self.polar(np.array([[p.X(), p.Y(), p.Z()]]))[1][0] - end) < CLOSE:
-                found += [face for face in self.solid.incidence[0][number] if face != self.number]
+            if abs(_off(self.polar(np.array([[p.X(), p.Y(), p.Z()]]))[which][0], end)) < CLOSE:
+                found += self.solid.incidence[0][number] - set(self.numbers)
         return found
 
     def _is_on(self, points: np.ndarray, surface: Surface) -> bool:
@@ -366,6 +427,27 @@ class Round:
     def depth(self) -> float:
         """How far from a sheet its sides are as they are next to it, in lengths."""
         return SHALLOW * self.radii[1]
+
+
+def joined(rounds: Iterable[Round]) -> list[Round]:
+    """Those that are parts of one torus as one, and bores within their tubes."""
+    found: list[Round] = []
+    for each in rounds:
+        while (other := next((x for x in found if x.joins(each) or each.joins(x)), None)) is not None:
+            found.remove(other)
+            each = max(other, each, key=lambda x: len(x.numbers))
+        found.append(each)
+    for each in [x for x in found if x.is_hollow]:
+        tube = next((x for x in found if each.is_bore_of(x)), None)
+        if tube is not None:
+            tube.bore = each
+            found.remove(each)
+    return found
+
+
+def _off(x: float, y: float) -> float:
+    """From one angle to another one, the shorter way."""
+    return (x - y + math.pi) % TURN - math.pi
 
 
 def _even(angle: float) -> float:

@@ -65,7 +65,8 @@ class Sweep:
 
 
 class TorusSector(Torus):
-    """A piece of a part; see the module.  None for `along`, `around`: a whole turn.  Its faces: "surface" and walls.
+    """A piece of a part; see the module.  None for `along`, `around`: a whole turn.  Its faces: "surface",
+    then the other tube, if there is one, both walls about the circle and both about the axis, if they are there.
 
     The tube may reach the axis, as at the rounded end of a pin, but no point of the sector is beyond it.
     """
@@ -86,7 +87,8 @@ class TorusSector(Torus):
 
     @property
     def faces(self) -> tuple[Face, ...]:
-        return (*super().faces, Face(1, f"{self.name}.walls" if self.name else "walls"))
+        named = (f"{self.name}.wall {k}" if self.name else f"wall {k}" for k in range(1, 6))
+        return (*super().faces, *(Face(k, name) for k, name in enumerate(named, 1)))
 
     def _tree(self) -> Tree:
         """Of its conditions: those of the tubes, the walls about the circle, and the walls about the axis."""

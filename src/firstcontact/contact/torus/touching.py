@@ -84,10 +84,10 @@ def of_torus(torus: Torus, x: np.ndarray, which: str) -> Touching:
     """x: near the contact: where its face is not, a sector touches by its walls."""
     back, ring = np.linalg.inv(square(torus.pose)), Ring(torus)
     near = np.abs(ring.around((back[:3, :3] @ x + back[:3, 3])[None], np.zeros(1)).values[0])
-    k = int(torus.shares[1] != 1.0)
+    outer = k = int(torus.shares[1] != 1.0)
     if not torus.is_whole and near[k] > NEAR * sum(torus.radii):
         k = int(near.argmin())
-    face = torus.faces[int(k != int(torus.shares[1] != 1.0))]
+    face = torus.faces[0 if k == outer else k + 1 if k < outer else max(k, 1)]
     own = Surface(lambda x: _height(ring, k, x))
     return Touching(Element("face", torus.name or which, face.index, face.name), [seen_from(own, back)])
 
