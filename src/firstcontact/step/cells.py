@@ -77,6 +77,8 @@ class SolidCell:
 @dataclass
 class _Problem:
     """surfaces: carriers, then planes to cut by, with forms; nappes: of those that are cones, which of theirs count.
+    sheets: of carriers those that stand for rounds, with the planes where these end, which decide first: beyond them a
+    sheet is all but where other faces are.
 
     samples (n, 3) on faces of carriers `carrier` (n,), with outward normals, and up to which depth points on both sides
     are as these tell; labelled points (m, 3), whether each is inside.
@@ -89,6 +91,7 @@ class _Problem:
     forms: np.ndarray
     round_: np.ndarray
     carriers: int
+    sheets: dict[int, set[int]]
     of_face: list[int]
     faces_on: list[tuple[int, ...]]
     samples: np.ndarray
@@ -336,8 +339,13 @@ def _problem(solid: StepSolid) -> _Problem:
         of_face.append(ROUND)
         rounds.append(Round(solid, number))
     asking, rounds = Asking(solid), joined(rounds)
-    sheets = _sheets(rounds, known, of_face, asking)
+    told = _sheets(rounds, known, of_face, asking)
     surfaces, count = known.surfaces, len(known.surfaces)
+    sheets = dict[int, set[int]]()
+    for each, k, *_ in told:
+        if set(each.numbers) & set(known.faces_on[k]):
+            ends = (plane(out, each.chart.origin) for _, out in each.ways_out())
+            sheets.setdefault(k, set()).update(map(known.number, ends))
     for cut_plane in _cuts(solid, surfaces, of_face):
         if known.numbers.setdefault((_key(cut_plane), None), len(surfaces)) == len(surfaces):
             surfaces.append(cut_plane)
@@ -350,7 +358,7 @@ def _problem(solid: StepSolid) -> _Problem:
     for each in rounds:  # ends of bent tubes
         own = ~each.removed(samples - off * normals)
         samples, normals, on, depth = samples[own], normals[own], on[own], depth[own]
-    for each, k, x, n in sheets:
+    for each, k, x, n in told:
         samples, normals = np.concatenate([samples, x]), np.concatenate([normals, n])
         on, depth = np.append(on, np.full(len(x), k)), np.append(depth, np.full(len(x), min(off, each.depth)))
     labelled = np.concatenate([samples - depth[:, None] * normals, samples + depth[:, None] * normals])
@@ -358,8 +366,8 @@ def _problem(solid: StepSolid) -> _Problem:
     trims = Trims(solid)
     trims.faces |= {number: each for each in rounds for number in each.numbers}
     return _Problem(
-        solid, cut, surfaces, known.nappes, forms, _round(forms), count, of_face, known.faces_on, samples, normals,
-        on, labelled, inside, depth, AskingRest(asking, rounds) if rounds else asking, trims, rounds,
+        solid, cut, surfaces, known.nappes, forms, _round(forms), count, sheets, of_face, known.faces_on,
+        samples, normals, on, labelled, inside, depth, AskingRest(asking, rounds) if rounds else asking, trims, rounds,
     )  # fmt: skip
 
 
@@ -647,6 +655,8 @@ class _Task:
                 return bool(labels[0])
             crossing = self._parting(points, used)
         best = min(crossing, key=lambda k: self._cost(k, faces, points, used))
+        first = sorted((self.problem.sheets.get(best, set()) & set(self.near)) - used)
+        best = first[0] if first else best
         below, above = (
             self.tree(
                 faces & (sign * self.samples[best] > sure) & (self.carrier != best),
@@ -668,7 +678,8 @@ class _Task:
         return cut, isinstance(self.problem.surfaces[k], Quadric), k
 
     def _parting(self, points: np.ndarray, used: frozenset[int]) -> list[int]:
-        """The cut that parts inside from outside best."""
+        """The cut that parts inside from outside best; a sheet, which beside its end is all but where a face is, where
+        nothing else does."""
         labels = self.inside[points]
         scores = []
         for k in self.near:
@@ -678,10 +689,12 @@ class _Task:
             a, b = labels[side], labels[~side]
             if not len(a) or not len(b):
                 continue
-            scores.append((_doubt(a) + _doubt(b), k))
-        if not scores or min(scores)[0] >= (1.0 - 1e-6) * _doubt(labels):
+            doubt = _doubt(a) + _doubt(b)
+            if doubt < (1.0 - 1e-6) * _doubt(labels):
+                scores.append((k in self.problem.sheets, doubt, k))
+        if not scores:
             raise NotExact("no plane through its edges parts what is inside from what is outside")
-        return [min(scores)[1]]
+        return [min(scores)[2]]
 
 
 def _doubt(labels: np.ndarray) -> float:

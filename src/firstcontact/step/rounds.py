@@ -316,12 +316,16 @@ class Round:
             to_double(near) + (1.0 - to_double(near)) * (np.arange(ACROSS) + 0.5) / ACROSS,
         ))  # fmt: skip
         rho, z = self.radii[0] + s * self.radii[1] * np.cos(v), s * self.radii[1] * np.sin(v)
-        for sign, u in zip((-1.0, 1.0), self.along or (), strict=self.along is not None):
+        for u, out in self.ways_out():
             points = self.chart.origin + np.stack([rho * math.cos(u), rho * math.sin(u), z], 1) @ self.chart.axes
-            out = sign * np.array([-math.sin(u), math.cos(u), 0.0]) @ self.chart.axes
             goes_on = asking.inside(points + self.depth * out)
             if goes_on.any():
                 yield plane(out, self.chart.origin), points[goes_on], np.tile(-out, (int(goes_on.sum()), 1))
+
+    def ways_out(self) -> Iterator[tuple[float, np.ndarray]]:
+        """Where it ends along its way: the angle, and the unit normal of the plane there, away from it."""
+        for sign, u in zip((-1.0, 1.0), self.along or (), strict=self.along is not None):
+            yield u, sign * np.array([-math.sin(u), math.cos(u), 0.0]) @ self.chart.axes
 
     @property
     def walls(self) -> dict[int, tuple[int, ...]]:
