@@ -103,7 +103,7 @@ def down(body, x, y, height=10):
 def test_parts_with_rounds_are_exact(name):
     shape, body = made(name)
     kinds = {type(piece.body) for piece in body.pieces}
-    assert TorusSector in kinds and kinds <= {fc.CompositeQuadric, TorusSector} and body.deviation < 1e-12
+    assert TorusSector in kinds and kinds <= {fc.CompositeQuadric, TorusSector} and body.deviation < 1e-10
     shapes.same_points(shape, body)
 
 
@@ -179,11 +179,13 @@ def test_times_of_contact_with_a_round():
     assert (stay.start, stay.end) == pytest.approx(((9 - reach) / 18, (9 + reach) / 18), abs=1e-10)
 
 
+@pytest.mark.parametrize("name", ["pin", "groove"])
 @pytest.mark.parametrize("side", ["flat", "round"])
-def test_what_lands_flat_beside_a_round(side):
+def test_what_lands_flat_beside_a_round(side, name):
     """A plate on the top of a pin, and a bar along its side, are told though they touch the round's seam as well."""
-    _, body = made("pin")
+    _, body = made(name)
     if side == "flat":
+        body = body if name == "pin" else body.translated((0, 0, -1))
         hit = fc.first_contact(down(fc.box((9, 9, 1)), 0, 0), body)
         assert hit.time == pytest.approx(0.45, abs=1e-12)
     else:

@@ -46,6 +46,8 @@ ALONG, ACROSS, PROBES = 0.04, 6, 600
 """Of the solid's size: between samples along; how many there are across; points of a sector that are asked about."""
 STRAIGHT = 1e-7
 """Of the solid's size: how far from tangents of an arc straight faces are."""
+INSET = 5e-6
+"""In radians, of the ends of sectors at edges."""
 TANGENT = 1e-3
 """Sine of the angle below which two surfaces count as tangent."""
 SHALLOW = 0.03
@@ -237,8 +239,19 @@ class Round:
         major, minor = (exact_value(x) for x in self.radii)
         if self.along is None and self.around is None and self.bore is None:
             return Torus(major, minor, self.matrix)
-        around, along = (None if ends is None else Sweep.between(*ends) for ends in (self.around, self.along))
+        first, last = self.insets
+        arc = None if self.around is None else (self.around[0] + first, self.around[1] - last)
+        around, along = (None if ends is None else Sweep.between(*ends) for ends in (arc, self.along))
         return TorusSector(major, minor, self.shares, around, along, self.matrix)
+
+    @property
+    def insets(self) -> tuple[float, float]:
+        """How much sooner the sector ends, where a fillet ends at an edge: its wall would be along a face of the file, and
+        what touches that face along a line would touch the wall as well.  The rest is all but as far there."""
+        if not self.is_hollow or self.has_walls or self.around is None:
+            return 0.0, 0.0
+        first, last = (INSET if face is None else 0.0 for face in self.beside)
+        return first, last
 
     @cached_property
     def matrix(self) -> Matrix:
@@ -259,7 +272,7 @@ class Round:
         if self.around is None and self.along is None and self.bore is None:
             return to_double(off) * sum(self.radii)
         reach = sum(self.radii) + float(np.abs(self.chart.origin).max())
-        return (to_double(off) + float(self.moved) + 1e-15) * reach
+        return (to_double(off) + float(self.moved) + 1e-15) * reach + max(self.insets) ** 2 * self.radii[1]
 
     def sheets(self) -> Iterator[Sheet]:
         major, minor = self.radii
