@@ -246,8 +246,8 @@ class Round:
 
     @property
     def insets(self) -> tuple[float, float]:
-        """How much sooner the sector ends, where a fillet ends at an edge: its wall would be along a face of the file, and
-        what touches that face along a line would touch the wall as well.  The rest is all but as far there."""
+        """How much sooner the sector ends, where a fillet ends at an edge: its wall would be along a face of the file,
+        and what touches that face along a line would touch the wall as well.  The rest is all but as far there."""
         if not self.is_hollow or self.has_walls or self.around is None:
             return 0.0, 0.0
         first, last = (INSET if face is None else 0.0 for face in self.beside)
