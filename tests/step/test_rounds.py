@@ -98,7 +98,7 @@ def down(body, x, y, height=10):
     return body.translated((x, y, height)).moving(fc.Translation((0, 0, -height)))
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", SHAPES)
 def test_parts_with_rounds_are_exact(name):
     shape, body = made(name)
@@ -116,6 +116,7 @@ def test_a_whole_torus_is_the_torus():
     assert isinstance(tilted.pieces[0].body, fc.Torus) and 0.0 < tilted.deviation < 1e-14
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("x", [2.1, 3.3])
 def test_a_ball_comes_down_on_a_round(x):
     """Its middle is 3/2 from the circle of radius 2 at z = 4, whatever is cut off of the torus."""
@@ -148,27 +149,28 @@ def test_a_common_motion_changes_nothing():
     assert turned.time == pytest.approx(alone.time, abs=1e-11)
 
 
-def test_bodies_of_all_kinds_come_to_a_fillet():
+FILLETED = {
+    "ball": (lambda: fc.sphere("3/10"), 0.5),
+    "ring": (lambda: fc.torus("1/5", "1/10").rotated((1, 0, 0), degrees=90), 0.5),
+    "point": (lambda: fc.Polyhedron([(0, 0, 0)], []), 0.8),
+    "wedge": (
+        lambda: fc.Polyhedron(
+            [(0, 0, 0), (1, 0, "1/8"), (1, "1/9", 0), (1, 0, 0)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+        ), 0.8,
+    ),
+    "strip": (lambda: fc.RuledSurface("(u, 0, 0)", "(u, u/9, -u/9)", u=(0, 1), s=(0, "1/2")), 0.8),
+}  # fmt: skip
+
+
+@pytest.mark.share(3)
+@pytest.mark.parametrize("kind", FILLETED)
+def test_bodies_of_all_kinds_come_to_a_fillet(kind):
     """Its circle has the radius 14/5 and is at z = 14/5: what is in the corner is 4/5 from there."""
     _, body = made("boss")
-    inward = fc.Translation((-6, 0, 0))
-    hit = fc.first_contact(fc.sphere("3/10").translated((6, 0, "5/2")).moving(inward), body)
-    assert hit.time == pytest.approx((6 - (2.8 - sqrt(0.5**2 - 0.3**2))) / 6, abs=1e-11)
+    make, off = FILLETED[kind]
+    hit = fc.first_contact(make().translated((6, 0, "5/2")).moving(fc.Translation((-6, 0, 0))), body)
+    assert hit.time == pytest.approx((6 - (2.8 - sqrt(off**2 - 0.3**2))) / 6, abs=1e-11)
     assert hit.element_b.index == body.pieces[-1].names.own[0][0]
-    corner = (6 - (2.8 - sqrt(0.8**2 - 0.3**2))) / 6
-    wedge = [(0, 0, 0), (1, 0, "1/8"), (1, "1/9", 0), (1, 0, 0)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
-    for other in (
-        fc.Polyhedron([(0, 0, 0)], []), fc.Polyhedron(*wedge),
-        fc.RuledSurface("(u, 0, 0)", "(u, u/9, 1/4 + u/9)", u=(0, 1), s=(0, "1/2")),
-    ):
-        moving = other.translated((6, 0, "5/2")).moving(inward)
-        hit = fc.first_contact(moving, body)
-        assert hit.time <= corner + 1e-11 and hit.element_b.index == body.pieces[-1].names.own[0][0]
-        if isinstance(other, fc.Polyhedron):
-            assert hit.time == pytest.approx(corner, abs=1e-11)
-    ring = fc.torus("1/5", "1/10").rotated((1, 0, 0), degrees=90)
-    hit = fc.first_contact(ring.translated((6, 0, "5/2")).moving(inward), body)
-    assert hit.time == pytest.approx((6 - (2.8 - sqrt(0.5**2 - 0.3**2))) / 6, abs=1e-11)
 
 
 def test_times_of_contact_with_a_round():
@@ -179,6 +181,7 @@ def test_times_of_contact_with_a_round():
     assert (stay.start, stay.end) == pytest.approx(((9 - reach) / 18, (9 + reach) / 18), abs=1e-10)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", ["pin", "groove"])
 @pytest.mark.parametrize("side", ["flat", "round"])
 def test_what_lands_flat_beside_a_round(side, name):
@@ -241,6 +244,7 @@ def test_what_other_faces_cut_stays_triangles():
     assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_sectors_hold_what_their_angles_and_distances_say(seed):
     rng = np.random.default_rng(seed)
