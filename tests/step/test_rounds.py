@@ -112,6 +112,8 @@ def test_a_whole_torus_is_the_torus():
     assert [piece.body for piece in part.pieces] == [fc.torus(3, 1)] and part.deviation == 0.0
     hit = fc.first_contact(down(fc.sphere(1), "5/2", 0), part)
     assert hit.time == pytest.approx((10 - sqrt(4 - 0.25)) / 10, abs=1e-12) and hit.element_b.kind == "face"
+    with pytest.raises(fc.UnsupportedPair, match="load the part with surfaces=False"):
+        fc.first_contact(down(fc.sphere(1), "5/2", 0), made("pin")[1], exact=True)
     tilted = fc.from_shape(shapes.moved(shapes.torus(3, 1), (1, 2, 3), ((1, 2, 3), 0.7)))
     assert isinstance(tilted.pieces[0].body, fc.Torus) and 0.0 < tilted.deviation < 1e-14
 

@@ -102,7 +102,7 @@ class Ring(Heights):
         bend = np.where(clear, 1.0 / np.where(clear, rho - reach, 1.0), np.inf)
         bends = np.stack([abs(wall[0]) * bend if sign * wall[0] > 0.0 else 0.0 * rho for sign in (-1.0, 1.0)])
         steep = (abs(wall[0]) + float(np.linalg.norm(wall[1:4]))) * (1.0 + 1e-14) * reach
-        error = error * (1.0 + float(np.abs(wall).max()))
+        error = error * (1.0 + float(np.abs(wall[:4]).max()))  # that of c is at most the radius, times these
         least = np.stack([value - steep - error, -value - steep - error])
         return Around(value, error, wall[0] * out + wall[1:4], bends, least)
 
