@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from OCP.BRepAdaptor import BRepAdaptor_Curve
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
 from OCP.BRepBuilderAPI import (
     BRepBuilderAPI_MakeEdge,
@@ -11,6 +12,7 @@ from OCP.BRepBuilderAPI import (
     BRepBuilderAPI_MakeWire,
     BRepBuilderAPI_Transform,
 )
+from OCP.BRepClass3d import BRepClass3d_SolidClassifier
 from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 from OCP.BRepFilletAPI import BRepFilletAPI_MakeFillet
 from OCP.BRepPrimAPI import (
@@ -23,10 +25,11 @@ from OCP.BRepPrimAPI import (
     BRepPrimAPI_MakeTorus,
 )
 from OCP.collections import Array1_gp_Pnt
+from OCP.GeomAbs import GeomAbs_CurveType
 from OCP.GeomAPI import GeomAPI_PointsToBSpline
 from OCP.gp import gp_Ax1, gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
-from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopAbs import TopAbs_ShapeEnum, TopAbs_State
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
@@ -78,6 +81,28 @@ def ends_at(point):
     """Of edges: whether they go through a point."""
     vertex = BRepBuilderAPI_MakeVertex(gp_Pnt(*point)).Vertex()
     return lambda edge: BRepExtrema_DistShapeShape(vertex, edge).Value() < 1e-9
+
+
+def circle_at(point):
+    """Of edges: whether they are circles, or arcs, through a point."""
+    near = ends_at(point)
+    return lambda edge: BRepAdaptor_Curve(edge).GetType() == GeomAbs_CurveType.GeomAbs_Circle and near(edge)
+
+
+def upright(edge):
+    """Whether an edge is a line along z."""
+    curve = BRepAdaptor_Curve(edge)
+    return curve.GetType() == GeomAbs_CurveType.GeomAbs_Line and abs(curve.Line().Direction().Z()) > 0.9
+
+
+def level_at(z):
+    """Of edges: whether all of them is at that height."""
+    def is_level(edge):
+        curve = BRepAdaptor_Curve(edge)
+        times = np.linspace(curve.FirstParameter(), curve.LastParameter(), 5)
+        return all(abs(curve.Value(float(t)).Z() - z) < 1e-9 for t in times)
+
+    return is_level
 
 
 def spline(points):
@@ -144,3 +169,26 @@ def offset_prism():
     ball = Geom_SphericalSurface(gp_Ax3(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), 4.0)
     face = BRepBuilderAPI_MakeFace(Geom_OffsetSurface(ball, 0.5), 0.0, 0.4, 0.2, 0.6, 1e-7).Face()
     return BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, 3)).Shape()
+
+
+def inside(shape, points):
+    """(n,) by OpenCASCADE's classifier."""
+    asked = BRepClass3d_SolidClassifier(shape)
+    found = []
+    for p in points.tolist():
+        asked.Perform(gp_Pnt(*p), 1e-9)
+        found.append(asked.State() == TopAbs_State.TopAbs_IN)
+    return np.array(found)
+
+
+def same_points(shape, body):
+    """That points anywhere, and next to faces, where it matters, are inside as OpenCASCADE has it."""
+    rng = np.random.default_rng(11)
+    lo, hi = body.bounds()
+    random = rng.uniform(2 * lo - hi, 2 * hi - lo, (700, 3))
+    mesh = body.shown[0].body
+    corners = mesh.vertices[mesh.triangles[rng.integers(0, len(mesh.triangles), 500)]]
+    near = np.einsum("nk,nkj->nj", rng.dirichlet((1, 1, 1), 500), corners) + rng.normal(0, 3e-3, (500, 3))
+    points = np.concatenate([random, near])
+    wrong = np.flatnonzero(body.contains(points) != inside(shape, points))
+    assert all(distance(shape, points[k]) <= body.deviation + 1e-7 for k in wrong)

@@ -113,3 +113,13 @@ def test_exact_parts_that_roundings_put_into_each_other_are_let_pass_by_their_tr
     assert 0.02 < hit.model_deviation <= 0.04
     hit = fc.first_new_contact(bolt.moving(fc.Translation(pose[:3, 0])), block)
     assert hit.status is fc.Status.CONTACT and 0 < hit.time <= hit.model_deviation
+
+
+def test_a_pin_that_sits_in_its_bore_up_to_its_round_is_told_by_triangles():
+    """Pieces of tori that touch along a circle at the start end UNDECIDED."""
+    round_ = shapes.filleted(shapes.cylinder(3, 5), 1, shapes.circle_at((3, 0, 5)))
+    bored = shapes.cut(shapes.box((12, 12, 6), (-6, -6, -2)), shapes.cylinder(3, 9))
+    pin, block = (fc.from_shape(x, name=name, deviation=0.02) for x, name in ((round_, "pin"), (bored, "block")))
+    assert pin.deviation + block.deviation < 1e-12
+    hit = fc.first_new_contact(pin.moving(fc.Translation((0, 0, 8))), block)
+    assert hit.status is fc.Status.FREE and hit.allowed.startswith("touching at the start, no deeper than twice")

@@ -127,7 +127,7 @@ def test_tilted_planes_meet_in_exact_corners(tmp_path):
 
 def test_a_deviation_that_is_asked_for_is_kept(tmp_path):
     path = shapes.write(tmp_path / "torus.stp", shapes.torus(3, 1))
-    rough, fine = fc.load_step(path, deviation=0.1), fc.load_step(path, deviation="0.01")
+    rough, fine = (fc.load_step(path, deviation=x, surfaces=False) for x in (0.1, "0.01"))
     assert not rough.exact and 0 < fine.deviation <= 0.01 < rough.deviation <= 0.1
     hit = fc.first_contact(fine.moving(fc.Translation((0, 0, -10))), fc.box((9, 9, 1)).translated((0, 0, -5)))
     assert abs(hit.time - 0.35) <= fine.deviation / 10 and hit.model_deviation == fine.deviation

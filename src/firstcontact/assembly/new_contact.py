@@ -103,7 +103,7 @@ def first_new_contact(
     the start, or of which neither is proved (`initial` None), are in INITIAL_CONTACT as ever, but for parts of files
     that overlap no deeper than they deviate from these, or than twice what they would as triangles: of them the first
     contact deeper than that is told, by the parts as they are when each is taken in by what it deviates; FREE proves
-    that there is none.
+    that there is none.  So it is of parts that touch so that nothing else tells, as all along the end of a round.
 
     Arguments as in `first_contact`; the budget is that of each question asked on the way.
 
@@ -116,16 +116,23 @@ def first_new_contact(
     """
     arguments: Arguments = {"exact": exact, "tolerance": tolerance, "budget": budget, "progress": progress}
     first = query.first_contact(a, b, span, **arguments)
-    if first.status is not Status.INITIAL_CONTACT or first.initial == "touching":
-        return _after_touch(first, span, arguments)
-    found = _deeper(first, span, arguments)
-    return _after_touch(first, span, arguments) if found is None else found
+    if first.status is not Status.INITIAL_CONTACT:
+        return first
+    if first.initial == "touching":
+        found = _after_touch(first, span, arguments)
+        if found.status is not Status.UNDECIDED or found.reason == "budget":
+            return found
+        deeper = _deeper(first, span, arguments)  # as next to rounds, where nothing tells what touches along a curve
+        return found if deeper is None or deeper.status is Status.UNDECIDED else deeper
+    deeper = _deeper(first, span, arguments)
+    return _after_touch(first, span, arguments) if deeper is None else deeper
 
 
 def _deeper(first: FirstContact, span: Sequence[Given] | None, arguments: Arguments) -> FirstContact | None:
     """Of parts of files the first contact deeper than they deviate, or than twice what they would as triangles; None
     where they are in contact so deep at the start, or deviate by nothing."""
     known: list[Any] = []
+    open_: FirstContact | None = None
     for cut, depth in ((False, WITHIN), (True, WITHIN_TRIANGLES)):
         inner = both_taken_in(first.a, first.b, cut=cut)
         if inner is None or (known and all(shape_of(x) is y for x, y in zip(inner, known, strict=True))):
@@ -135,8 +142,10 @@ def _deeper(first: FirstContact, span: Sequence[Given] | None, arguments: Argume
         if found.status is not Status.INITIAL_CONTACT:
             how = f"{first.initial or 'in contact'} at the start, {depth}"
             told = f"{how}; of {'these' if cut else 'the parts'} taken in by that"
-            return replace(found, a=first.a, b=first.b, stats=first.stats + found.stats, allowed=told)
-    return None
+            open_ = replace(found, a=first.a, b=first.b, stats=first.stats + found.stats, allowed=told)
+            if found.status is not Status.UNDECIDED:
+                return open_
+    return open_
 
 
 def _after_touch(first: FirstContact, span: Sequence[Given] | None, arguments: Arguments) -> FirstContact:

@@ -154,9 +154,9 @@ def load_step(
 ) -> Assembly:
     """The tree of a STEP file: parts by name, in their places, with colours, in the file's unit.
 
-    Solids of planes, cylinders, cones and spheres become bodies with these very surfaces (`part.exact`), where checks
-    of points, edges and vertices bear them out: checks, no proof.  All others become triangles, whose deviation from
-    the file's faces is bounded by proof (`part.deviation`).
+    Solids of planes, cylinders, cones, spheres and tori become bodies with these very surfaces (`part.exact`), where
+    checks of points, edges and vertices bear them out: checks, no proof.  All others become triangles, whose deviation
+    from the file's faces is bounded by proof (`part.deviation`).
 
     unit: "mm", "cm", "m", "inch", ...: lengths are converted, exactly; default: the file's own.
     deviation: at most, in that unit; default 1e-4 of the size of each solid.

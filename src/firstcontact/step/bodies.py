@@ -1,8 +1,8 @@
-"""What becomes of a solid: the file's own planes and quadrics, else triangles."""
+"""What becomes of a solid: the file's own planes, quadrics and tori, else triangles."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import product
@@ -14,6 +14,7 @@ from firstcontact.body.compound.compound import CompoundPiece
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.errors import InputError
 from firstcontact.step import cells, planar
+from firstcontact.step.carriers import NotExact
 from firstcontact.step.reader import Shape
 from firstcontact.step.solids import StepSolid, explored
 from firstcontact.step.triangles import TriangleNet, triangulated
@@ -101,7 +102,7 @@ def _built(solid: StepSolid, wanted: Wanted) -> Built:
     if wanted.surfaces is not False:
         try:
             return _by_surfaces(solid, wanted)
-        except (cells.NotExact, InputError) as reason:  # of a broken solid no triangles are made either
+        except (NotExact, InputError) as reason:  # of a broken solid no triangles are made either
             why = str(reason)
     return _by_triangles(solid, wanted, why)
 
@@ -115,16 +116,17 @@ def _by_triangles(solid: StepSolid, wanted: Wanted, why: str) -> Built:
 
 def _by_surfaces(solid: StepSolid, wanted: Wanted) -> Built:
     """Raises NotExact where the file's surfaces are of other kinds, or checks do not bear the pieces out."""
-    found, off, rough = cells.cells_of(solid, None if wanted.surfaces else MOST_PIECES)
-    if wanted.deviation is not None and off > wanted.deviation:
-        raise cells.NotExact(f"its edges are up to {off:.2g} off the surfaces that meet there")
+    found = cells.cells_of(solid, None if wanted.surfaces else MOST_PIECES)
+    if wanted.deviation is not None and found.off > wanted.deviation:
+        raise NotExact(f"its edges are up to {found.off:.2g} off the surfaces that meet there")
     exact = [
-        CompoundPiece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
-        for x in found
-    ]
-    _check_volume(solid, rough.corners, rough.deviation + off)
+        *(CompoundPiece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
+          for x in found.cells),
+        *(CompoundPiece(x.sector, RoundNames(x.walls, solid.labels)) for x in found.rounds),
+    ]  # fmt: skip
+    _check_volume(solid, found.rough.corners, found.rough.deviation + found.off)
     shown = cache(lambda: (_mesh_piece(solid, triangulated(solid, cells.ROUGH * solid.size)),))
-    return Built(tuple(exact), off, solid, shown, cut=cache(lambda: _by_triangles(solid, wanted, "asked for")))
+    return Built(tuple(exact), found.off, solid, shown, cut=cache(lambda: _by_triangles(solid, wanted, "asked for")))
 
 
 def _mesh_piece(solid: StepSolid, net: TriangleNet) -> CompoundPiece:
@@ -231,9 +233,25 @@ class CellNames:
         return self._told("face", list(groups[0]))
 
     def _told(self, kind: str, numbers: list[int]) -> tuple[str, int, str]:
-        """Of several, which have their surfaces in common, all are told."""
-        labels = [self.labels[kind][k] or str(k) for k in numbers]
-        return kind, numbers[0], " or ".join(labels[:4])
+        return told(kind, numbers, self.labels)
+
+
+@dataclass(frozen=True, eq=False)
+class RoundNames:
+    """Of a sector of a torus: own: of its faces those that are some of the file's."""
+
+    own: dict[int, tuple[int, ...]]
+    labels: dict[str, list[str]]
+
+    def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
+        """As `PieceNames`."""
+        numbers = self.own.get(index)
+        return None if not numbers else told("face", numbers, self.labels)
+
+
+def told(kind: str, numbers: Sequence[int], labels: dict[str, list[str]]) -> tuple[str, int, str]:
+    """Of several, which have their surfaces in common, all are told."""
+    return kind, numbers[0], " or ".join(labels[kind][k] or str(k) for k in numbers[:4])
 
 
 def _meeting(sets: tuple[frozenset[int], ...], groups: list[tuple[int, ...]]) -> list[int]:

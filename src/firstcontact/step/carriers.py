@@ -22,11 +22,20 @@ from firstcontact.body.solid.carriers import (
     primitive_rows,
 )
 from firstcontact.exact.numbers import exact_value
+from firstcontact.step.charts import bare
 
 if TYPE_CHECKING:
     from OCP.Geom import Geom_ConicalSurface
     from OCP.gp import gp_Dir, gp_Pnt
     from OCP.TopoDS import TopoDS_Face
+
+
+STRAIGHT = 1e-12
+"""Tangent of an angle below which lines are along the axis, or across it."""
+
+
+class NotExact(Exception):
+    """A solid is not made of its surfaces here; the text says why."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +62,8 @@ def carrier_of(face: TopoDS_Face) -> Carrier | None:
     """None of faces on other surfaces than planes, cylinders, cones and spheres, and on both nappes of a cone."""
     from OCP.BRep import BRep_Tool
 
-    surface = BRep_Tool.Surface_s(face)
+    surface = bare(BRep_Tool.Surface_s(face))
     kind = surface.DynamicType().Name()
-    while kind == "Geom_RectangularTrimmedSurface":
-        surface = surface.BasisSurface()
-        kind = surface.DynamicType().Name()
     if kind not in ("Geom_Plane", "Geom_CylindricalSurface", "Geom_ConicalSurface", "Geom_SphericalSurface"):
         return None
     place = surface.Position()
@@ -71,6 +77,12 @@ def carrier_of(face: TopoDS_Face) -> Carrier | None:
     return _cone(p, d, surface, face)
 
 
+def is_on_torus(face: TopoDS_Face) -> bool:
+    from OCP.BRep import BRep_Tool
+
+    return bool(bare(BRep_Tool.Surface_s(face)).DynamicType().Name() == "Geom_ToroidalSurface")
+
+
 def _cone(p: Vector, d: Vector, surface: Geom_ConicalSurface, face: TopoDS_Face) -> Carrier | None:
     from OCP.BRepTools import BRepTools
 
@@ -78,12 +90,29 @@ def _cone(p: Vector, d: Vector, surface: Geom_ConicalSurface, face: TopoDS_Face)
     lo, hi = (surface.RefRadius() + v * math.sin(surface.SemiAngle()) for v in BRepTools.UVBounds_s(face)[2:])
     if min(lo, hi) < -1e-6 * max(lo, hi) and max(lo, hi) > -1e-6 * min(lo, hi):
         return None
-    # the radius at x is radius + slope d.(x - p), negative on the other nappe
-    side = -1 if lo + hi > 0 else 1
+    return Carrier(_round(p, d, ONE, radius, slope), _nappe(p, d, radius, slope, -1 if lo + hi > 0 else 1))
+
+
+def _nappe(p: Vector, d: Vector, radius: fmpq, slope: fmpq, side: int) -> Plane:
+    """Through the tip; the radius at x is radius + slope d.(x - p), negative on the other nappe."""
     normal = [side * slope * x for x in d]
-    return Carrier(
-        _round(p, d, ONE, radius, slope), Plane(primitive((*normal, side * radius - dot(normal, p))))
-    )
+    return Plane(primitive((*normal, side * radius - dot(normal, p))))
+
+
+def revolved(p: Vector, d: Vector, a: float, b: float, c: float) -> Carrier:
+    """a rho + b h = c for the height h above p along d, of length about 1, and the distance rho from that axis."""
+    if abs(a) < STRAIGHT * abs(b):
+        return Carrier(Plane(primitive((*d, -dot(d, p) - exact_value(c / b)))))
+    radius = exact_value(c / a)
+    if abs(b) < STRAIGHT * abs(a):
+        return Carrier(_round(p, d, ONE, radius, ZERO))
+    slope = exact_value(-b / a)
+    return Carrier(_round(p, d, ONE, radius, slope), _nappe(p, d, radius, slope, -1))
+
+
+def plane(normal: np.ndarray, place: np.ndarray) -> Carrier:
+    n, at = ([exact_value(x) for x in v.tolist()] for v in (normal, place))
+    return Carrier(Plane(primitive((*n, -dot(n, at)))))
 
 
 def _exact(v: gp_Pnt | gp_Dir) -> Vector:

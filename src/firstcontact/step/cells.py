@@ -1,4 +1,6 @@
-"""Solids of planes, cylinders, cones and spheres as pieces with these very surfaces.
+"""Solids of planes, cylinders, cones, spheres and tori as pieces with these very surfaces.
+
+What is next to tori is cut off first, see `rounds`; the solid here is the rest.
 
 The box around a solid is halved until few surfaces have faces in a cell.  In a cell the solid is a tree of decisions:
 on which side of a surface a point is, until no face is left between what may be inside and what may not.  Faces that
@@ -20,7 +22,6 @@ from firstcontact.body.solid.carriers import (
     QuarticCurve,
     Surface,
     Vector,
-    dot,
     doubles,
     primitive,
 )
@@ -31,9 +32,10 @@ from firstcontact.body.solid.regions import halved, parts
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import exact_value
 from firstcontact.step.asking import Asking
-from firstcontact.step.carriers import Carrier, carrier_of
+from firstcontact.step.carriers import Carrier, NotExact, carrier_of, is_on_torus, plane
 from firstcontact.step.rims import rims
 from firstcontact.step.rough import Rough, rough
+from firstcontact.step.rounds import TANGENT, AskingRest, Round, joined
 from firstcontact.step.solids import StepSolid
 from firstcontact.step.trims import Trims
 
@@ -53,18 +55,14 @@ RANDOM = 24
 ROOM = 1e-3
 """Of the solid's size: how far the walls of the outermost cells are from it."""
 ROUGH = 2e-3
-TANGENT = 1e-3
-"""Sine of the angle below which two surfaces count as tangent."""
 ROUNDS, NEAR, MOST_SAMPLES, EDGE_POINTS = 6, 8, 4000, 9
 """How often pieces are corrected; points in each cell, and next to faces, that are asked each time; and on edges."""
+ROUND = -1
+"""Instead of a carrier's number, of faces on tori."""
 ENOUGH, HALVINGS = 12, 4
 """Points of a face in a cell, below which it is looked at again; how often the cell is halved for that."""
 MOST_OFF = 1e-4
 """Of the solid's size: how far the file's edges may be from where surfaces meet."""
-
-
-class NotExact(Exception):
-    """The solid is not made of its surfaces here; the text says why."""
 
 
 @dataclass
@@ -79,8 +77,11 @@ class SolidCell:
 @dataclass
 class _Problem:
     """surfaces: carriers, then planes to cut by, with forms; nappes: of those that are cones, which of theirs count.
+    sheets: of carriers those that stand for rounds, with the planes where these end, which decide first: beyond them a
+    sheet is all but where other faces are.
 
-    samples (n, 3) on faces `face` (n,), with outward normals; labelled points (m, 3), whether each is inside.
+    samples (n, 3) on faces of carriers `carrier` (n,), with outward normals, and up to which depth points on both sides
+    are as these tell; labelled points (m, 3), whether each is inside.
     """
 
     solid: StepSolid
@@ -90,14 +91,18 @@ class _Problem:
     forms: np.ndarray
     round_: np.ndarray
     carriers: int
+    sheets: dict[int, set[int]]
+    of_face: list[int]
     faces_on: list[tuple[int, ...]]
     samples: np.ndarray
     normals: np.ndarray
     carrier: np.ndarray
     labelled: np.ndarray
     inside: np.ndarray
-    asking: Asking
+    depth: np.ndarray
+    asking: Asking | AskingRest
     trims: Trims
+    rounds: list[Round]
     rng: Any = field(default_factory=lambda: np.random.default_rng(0))
 
     def distances(self, points: np.ndarray, near: Sequence[int] | None = None) -> np.ndarray:
@@ -142,8 +147,18 @@ def _near_ones(forms: np.ndarray, points: np.ndarray, round_: np.ndarray) -> np.
     return found
 
 
-def cells_of(solid: StepSolid, most: int | None = None) -> tuple[list[SolidCell], float, Rough]:
-    """The pieces, how far their edges are from the file's, and rough triangles.  Raises NotExact.
+@dataclass(frozen=True)
+class Cut:
+    """A solid as pieces: cells, and rounds, whose sectors are others; off: how far their edges are from the file's."""
+
+    cells: list[SolidCell]
+    rounds: list[Round]
+    off: float
+    rough: Rough
+
+
+def cells_of(solid: StepSolid, most: int | None = None) -> Cut:
+    """Raises NotExact.
 
     most: pieces that may be made, those that are made again counted anew.
 
@@ -154,6 +169,8 @@ def cells_of(solid: StepSolid, most: int | None = None) -> tuple[list[SolidCell]
     off = _off_at_edges(problem)
     if off > MOST_OFF * solid.size:
         raise NotExact(f"its edges are up to {off:.2g} off the surfaces that meet there")
+    if not len(problem.samples):
+        return Cut([], problem.rounds, off if problem.carriers else problem.rounds[0].askew, problem.cut)
     lo, hi = solid.box
     room = ROOM * solid.size
     boxes = list(_boxes(problem, _even(lo - room, solid.size), _even(hi + room, solid.size), 0))
@@ -177,7 +194,7 @@ def cells_of(solid: StepSolid, most: int | None = None) -> tuple[list[SolidCell]
             near |= thin
             doubtful = {k for k, strays in found.items() if len(strays)}
             if not doubtful:
-                return cells, max([off, *near.values()]), problem.cut
+                return Cut(cells, problem.rounds, max([off, *near.values()]), problem.cut)
             points = np.concatenate([found[k] for k in sorted(doubtful)])
             points, inside = _around(problem, points)
         problem.labelled = np.concatenate([problem.labelled, points])
@@ -242,7 +259,8 @@ def _asked(problem: _Problem, boxes: list[tuple[np.ndarray, np.ndarray]]) -> tup
         found += [random, flat + rng.normal(0.0, OFF * size, flat.shape)]
     asked = np.concatenate(found)
     known = rng.permutation(len(problem.samples))[:MOST_SAMPLES]
-    step = problem.normals[known] * size * 10.0 ** rng.uniform(-5.5, np.log10(OFF), (len(known), 1))
+    shares = 10.0 ** rng.uniform(-5.5, np.log10(OFF), len(known)) / OFF
+    step = problem.normals[known] * (problem.depth[known] * shares)[:, None]
     told = problem.asking.inside(asked)
     sure = np.abs(problem.distances(asked, range(problem.carriers))[: problem.carriers]).min(axis=0) > 1e-7 * size
     points = np.concatenate([asked[sure], problem.samples[known] - step, problem.samples[known] + step])
@@ -266,25 +284,29 @@ def _off_at_edges(problem: _Problem) -> float:
     from OCP.BRepAdaptor import BRepAdaptor_Curve
 
     solid, worst, seams = problem.solid, 0.0, set[tuple[int, int]]()
-    on = {face: k for k, faces in enumerate(problem.faces_on) for face in faces}
-    beside = [{on[face] for face in faces} for faces in solid.incidence[0]]
+    tubes = [tube for each in problem.rounds for tube in (each, each.bore) if tube is not None]
     for number, edge in enumerate(solid.edges):
         if solid.is_degenerate(number):
             continue
         curve = BRepAdaptor_Curve(edge)
         times = np.linspace(curve.FirstParameter(), curve.LastParameter(), EDGE_POINTS)
         points = np.array([_numbers(curve.Value(float(t))) for t in times])
-        own = sorted(beside[number])
+        beside = solid.incidence[0][number]
+        own = sorted({problem.of_face[face] for face in beside} - {ROUND})
+        rounds = [each for each in tubes if beside & set(each.numbers)]
         off = np.abs(_distances(problem.forms[own], points, problem.round_[own])).sum(axis=0)
-        if len(own) == 2:
+        off = off + sum(each.distances(points) for each in rounds)
+        if len(own) + len(rounds) == 2:
             x = np.column_stack([points, np.ones(len(points))])
             n = np.einsum("sij,nj->sni", problem.forms[own], x)[..., :3]
+            n = np.concatenate([n, *(each.directions(points)[None] for each in rounds)])
             n /= np.maximum(np.linalg.norm(n, axis=2, keepdims=True), 1e-300)
             sine = np.linalg.norm(np.cross(n[0], n[1]), axis=1)
-            if (sine <= TANGENT).any():
+            if len(own) == 2 and (sine <= TANGENT).any():
                 seams.add((own[0], own[1]))
             off = np.where(sine > TANGENT, off / np.maximum(sine, TANGENT), off)
         worst = max(worst, float(off.max()))
+    worst += max((each.askew for each in tubes), default=0.0)
     for i, j in seams:
         curves = common_curves(problem.surfaces[i], problem.surfaces[j])
         if any(isinstance(curve, QuarticCurve) for curve in curves):  # a conic, twice, but for rounding errors
@@ -303,42 +325,93 @@ def _even(x: np.ndarray, size: float) -> np.ndarray:
 
 
 def _problem(solid: StepSolid) -> _Problem:
-    surfaces: list[Surface] = []
-    nappes: dict[int, Carrier] = {}
-    numbers: dict[tuple[Any, ...], int] = {}
-    of_face: list[int] = []
-    for face in solid.faces:
+    known = _Carriers()
+    of_face, rounds = list[int](), list[Round]()
+    for number, face in enumerate(solid.faces):
         carrier = carrier_of(face)
-        if carrier is None:
-            face_ = solid.named("face", len(of_face))
-            raise NotExact(f"{face_} is on no plane, cylinder, sphere or single nappe of a cone")
-        k = numbers.setdefault((_key(carrier.surface), carrier.nappe), len(surfaces))
-        if k == len(surfaces):
-            surfaces.append(carrier.surface)
-            if carrier.nappe is not None:
-                nappes[k] = carrier
-        of_face.append(k)
-    count = len(surfaces)
-    faces_on = [tuple(f for f, k in enumerate(of_face) if k == c) for c in range(count)]
-    for plane in _cuts(solid, surfaces, of_face):
-        if numbers.setdefault((_key(plane), None), len(surfaces)) == len(surfaces):
-            surfaces.append(plane)
-    forms = np.array([doubles(s.matrix()) for s in surfaces])
+        if carrier is not None:
+            of_face.append(known.number(carrier))
+            known.faces_on[of_face[-1]] += (number,)
+            continue
+        if not is_on_torus(face):
+            face_ = solid.named("face", number)
+            raise NotExact(f"{face_} is on no plane, cylinder, sphere, torus or single nappe of a cone")
+        of_face.append(ROUND)
+        rounds.append(Round(solid, number))
+    asking, rounds = Asking(solid), joined(rounds)
+    told = _sheets(rounds, known, of_face, asking)
+    surfaces, count = known.surfaces, len(known.surfaces)
+    sheets = dict[int, set[int]]()
+    for each, k, *_ in told:
+        if set(each.numbers) & set(known.faces_on[k]):
+            ends = (plane(out, each.chart.origin) for _, out in each.ways_out())
+            sheets.setdefault(k, set()).update(map(known.number, ends))
+    for cut_plane in _cuts(solid, surfaces, of_face):
+        if known.numbers.setdefault((_key(cut_plane), None), len(surfaces)) == len(surfaces):
+            surfaces.append(cut_plane)
+    forms = np.array([doubles(s.matrix()) for s in surfaces]).reshape(-1, 4, 4)
     cut = rough(solid, ROUGH * solid.size)
     samples, faces = _samples(solid, cut, forms, of_face)
     normals = _outward(solid, forms, samples, faces, of_face)
     off = OFF * solid.size
-    labelled = np.concatenate([samples - off * normals, samples + off * normals])
+    on, depth = np.array(of_face)[faces], np.full(len(samples), off)
+    for each in rounds:  # ends of bent tubes
+        own = ~each.removed(samples - off * normals)
+        samples, normals, on, depth = samples[own], normals[own], on[own], depth[own]
+    for each, k, x, n in told:
+        samples, normals = np.concatenate([samples, x]), np.concatenate([normals, n])
+        on, depth = np.append(on, np.full(len(x), k)), np.append(depth, np.full(len(x), min(off, each.depth)))
+    labelled = np.concatenate([samples - depth[:, None] * normals, samples + depth[:, None] * normals])
     inside = np.repeat([True, False], len(samples))
+    trims = Trims(solid)
+    trims.faces |= {number: each for each in rounds for number in each.numbers}
     return _Problem(
-        solid, cut, surfaces, nappes, forms, _round(forms), count, faces_on, samples, normals,
-        np.array(of_face)[faces], labelled, inside, Asking(solid), Trims(solid),
+        solid, cut, surfaces, known.nappes, forms, _round(forms), count, sheets, of_face, known.faces_on,
+        samples, normals, on, labelled, inside, depth, AskingRest(asking, rounds) if rounds else asking, trims, rounds,
     )  # fmt: skip
+
+
+class _Carriers:
+    """Surfaces, each once; nappes: of cones; faces_on: of each the file's faces."""
+
+    def __init__(self) -> None:
+        self.surfaces: list[Surface] = []
+        self.nappes: dict[int, Carrier] = {}
+        self.numbers: dict[tuple[Any, ...], int] = {}
+        self.faces_on: list[tuple[int, ...]] = []
+
+    def number(self, carrier: Carrier) -> int:
+        k = self.numbers.setdefault((_key(carrier.surface), carrier.nappe), len(self.surfaces))
+        if k == len(self.surfaces):
+            self.surfaces.append(carrier.surface)
+            self.faces_on.append(())
+            if carrier.nappe is not None:
+                self.nappes[k] = carrier
+        return k
+
+
+def _sheets(
+    rounds: list[Round], known: _Carriers, of_face: list[int], asking: Asking
+) -> list[tuple[Round, int, np.ndarray, np.ndarray]]:
+    """What bounds the rest instead of faces on tori: carriers, points, and normals.  Raises NotExact."""
+    rng, found = np.random.default_rng(0), []
+    for each in rounds:
+        each.fit(asking, rng, {face: known.surfaces[k] for face, k in enumerate(of_face) if k != ROUND})
+        for sheet in each.sheets():
+            k = known.number(each.carrier(sheet)) if sheet.beside is None else of_face[sheet.beside]
+            if sheet.beside is None and not set(each.numbers) & set(known.faces_on[k]):
+                known.faces_on[k] += each.numbers
+            found.append((each, k, *each.samples(sheet)))
+    rest = AskingRest(asking, rounds)
+    for each in (x for x in rounds if x.around is None):
+        found += [(each, known.number(carrier), x, n) for carrier, x, n in each.caps(rest)]
+    return found
 
 
 def _samples(solid: StepSolid, cut: Rough, forms: np.ndarray, of_face: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """Points inside faces, on their carriers, and the faces' numbers."""
-    corners, owner = cut.corners, cut.face_of
+    flat = np.array(of_face)[cut.face_of] != ROUND
+    corners, owner = cut.corners[flat], cut.face_of[flat]
     step = 0.04 * solid.size
     for _ in range(12):
         sides = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
@@ -389,39 +462,34 @@ def _outward(
     return normals
 
 
-def _cuts(solid: StepSolid, surfaces: list[Surface], of_face: list[int]) -> Iterator[Plane]:
+def _cuts(solid: StepSolid, surfaces: list[Surface], of_face: list[int]) -> Iterator[Surface]:
     """Planes through edges: of circles their own, of seams the one across both faces, else the two between them."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GeomAbs import GeomAbs_CurveType as Kind
 
-    forms = np.array([doubles(s.matrix()) for s in surfaces])
-    beside = [{of_face[face] for face in faces} for faces in solid.incidence[0]]
+    forms = np.array([doubles(s.matrix()) for s in surfaces]).reshape(-1, 4, 4)
+    beside = [{of_face[face] for face in faces} - {ROUND} for faces in solid.incidence[0]]
     for number, edge in enumerate(solid.edges):
         if solid.is_degenerate(number):
             continue
         curve = BRepAdaptor_Curve(edge)
         if curve.GetType() == Kind.GeomAbs_Circle:
             axis = curve.Circle().Axis()
-            yield _plane(_numbers(axis.Direction()), _numbers(axis.Location()))
+            yield plane(_numbers(axis.Direction()), _numbers(axis.Location())).surface
         elif curve.GetType() == Kind.GeomAbs_Line and len(beside[number]) == 2:
             middle = _numbers(curve.Value(0.5 * (curve.FirstParameter() + curve.LastParameter())))
             x = np.append(middle, 1.0)
             a, b = (n / np.linalg.norm(n) for n in ((forms[k] @ x)[:3] for k in beside[number]))
             along = _numbers(curve.Line().Direction())
             if np.linalg.norm(np.cross(a, b)) < TANGENT:
-                yield _plane(np.cross(along, a), middle)
+                yield plane(np.cross(along, a), middle).surface
             elif any(isinstance(surfaces[k], Quadric) for k in beside[number]):
-                yield _plane(np.cross(along, a + b), middle)
-                yield _plane(np.cross(along, a - b), middle)
+                yield plane(np.cross(along, a + b), middle).surface
+                yield plane(np.cross(along, a - b), middle).surface
 
 
 def _numbers(p: gp_Pnt | gp_Dir) -> np.ndarray:
     return np.array([p.X(), p.Y(), p.Z()])
-
-
-def _plane(normal: np.ndarray, place: np.ndarray) -> Plane:
-    n = [exact_value(x) for x in normal.tolist()]
-    return Plane(primitive((*n, -dot(n, [exact_value(x) for x in place.tolist()]))))
 
 
 # -- cells --------------------------------------------------------------------------------------------------------
@@ -587,6 +655,8 @@ class _Task:
                 return bool(labels[0])
             crossing = self._parting(points, used)
         best = min(crossing, key=lambda k: self._cost(k, faces, points, used))
+        first = sorted((self.problem.sheets.get(best, set()) & set(self.near)) - used)
+        best = first[0] if first else best
         below, above = (
             self.tree(
                 faces & (sign * self.samples[best] > sure) & (self.carrier != best),
@@ -608,7 +678,8 @@ class _Task:
         return cut, isinstance(self.problem.surfaces[k], Quadric), k
 
     def _parting(self, points: np.ndarray, used: frozenset[int]) -> list[int]:
-        """The cut that parts inside from outside best."""
+        """The cut that parts inside from outside best; a sheet, which beside its end is all but where a face is, where
+        nothing else does."""
         labels = self.inside[points]
         scores = []
         for k in self.near:
@@ -618,10 +689,12 @@ class _Task:
             a, b = labels[side], labels[~side]
             if not len(a) or not len(b):
                 continue
-            scores.append((_doubt(a) + _doubt(b), k))
-        if not scores or min(scores)[0] >= (1.0 - 1e-6) * _doubt(labels):
+            doubt = _doubt(a) + _doubt(b)
+            if doubt < (1.0 - 1e-6) * _doubt(labels):
+                scores.append((k in self.problem.sheets, doubt, k))
+        if not scores:
             raise NotExact("no plane through its edges parts what is inside from what is outside")
-        return [min(scores)[1]]
+        return [min(scores)[2]]
 
 
 def _doubt(labels: np.ndarray) -> float:

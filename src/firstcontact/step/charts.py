@@ -52,13 +52,16 @@ class Elementary:
         return surface.MajorRadius() + surface.MinorRadius() * np.cos(v), surface.MinorRadius() * np.sin(v)
 
     def parameters(self, points: np.ndarray, least: float) -> np.ndarray:
-        """(n, 2) parameters of points (n, 3) of the surface, not a torus; an angle is from `least` to a turn beyond."""
+        """(n, 2) parameters of points (n, 3) of the surface; an angle is from `least` to a turn beyond, one
+        around the circle of a torus from 0."""
         x, y, z = self.axes @ (points - self.origin).T
         if self.kind == "Plane":
             return np.column_stack([x, y])
         v = z
         if self.kind == "Spherical":
             v = np.arctan2(z, np.hypot(x, y))
+        if self.kind == "Toroidal":
+            v = np.arctan2(z, np.hypot(x, y) - self.surface.MajorRadius()) % (2.0 * np.pi)
         if self.kind == "Conical":
             v = z / np.cos(self.surface.SemiAngle())
             other = self._profile(v)[0] < 0.0

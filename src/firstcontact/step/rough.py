@@ -23,7 +23,7 @@ class Rough:
 
 
 def rough(solid: StepSolid, deviation: float) -> Rough:
-    """Of a solid of planes, cylinders, cones and spheres.  InputError names a face that cannot be cut."""
+    """Of a solid of planes, cylinders, cones, spheres and tori.  InputError names a face that cannot be cut."""
     return cut_by(solid, deviation, lambda: _all(solid))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -23,7 +23,7 @@ class Trims:
 
     def __init__(self, solid: StepSolid) -> None:
         self.solid = solid
-        self.faces: dict[int, _TrimFace] = {}
+        self.faces: dict[int, TrimFace] = {}
         self.borders = Counter(face for faces in solid.incidence[0] for face in faces)
         """How many edges each face has: the more, the longer its answers take."""
 
@@ -47,10 +47,15 @@ class Trims:
         within: np.ndarray = points[found]
         return within
 
-    def _face(self, number: int) -> _TrimFace:
+    def _face(self, number: int) -> TrimFace:
         if number not in self.faces:
             self.faces[number] = _TrimFace(self.solid.faces[number])
         return self.faces[number]
+
+
+class TrimFace(Protocol):
+    def holds(self, points: np.ndarray) -> np.ndarray:
+        """(n,) of points of the surface, (n, 3): whether they are in the face or on its border."""
 
 
 class _TrimFace:

@@ -11,6 +11,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.placing import Placing
+from firstcontact.body.solid.csg import Leaf, Tree
 from firstcontact.body.told import point
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, rational, to_double
@@ -30,6 +31,10 @@ ROUNDED = 1e-14
 """What bounds of a torus lose by rounding, of the numbers in them."""
 FEWEST = 8
 """Sides of either circle of a mesh, at least."""
+
+
+Wall = tuple[fmpq, fmpq, fmpq, fmpq, fmpq]
+"""p, a, b, c, d: p rho + a x + b y + c z + d <= 0 behind it, in the torus's frame, rho the distance from the axis."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +58,17 @@ class Torus(Placing):
     kind = "Torus"
     bounded = True
     edges = seams = vertices = ()
+    is_whole = True
+    """Whether it is all of the torus; else a sector, see there."""
+    exact_shares: tuple[fmpq, fmpq] = (fmpq(0), fmpq(1))
+    """Of minor: from where to where it reaches from its circle."""
+    angles: tuple[tuple[float, float], tuple[float, float]] = ((0.0, 2.0 * math.pi),) * 2
+    """From where to where it reaches about its axis, and about its circle."""
+    tree: Tree = Leaf(0)
+    """Of its conditions, each told by a sign: here s <= minor alone."""
+
+    walls: Sequence[Wall] = ()
+    """Of a sector."""
 
     def __init__(self, major: fmpq, minor: fmpq, matrix: Matrix = IDENTITY, name: str | None = None) -> None:
         self.major, self.minor, self.matrix, self.name = major, minor, matrix, name
@@ -62,12 +78,26 @@ class Torus(Placing):
             raise InputError(f"{name or 'torus'}: coordinates leave the range 2^150; give smaller ones")
 
     @property
-    def faces(self) -> tuple[Face]:
+    def faces(self) -> tuple[Face, ...]:
         return (Face(0, f"{self.name}.surface" if self.name else "surface"),)
 
     @property
     def radii(self) -> tuple[float, float]:
         return to_double(self.major), to_double(self.minor)
+
+    @property
+    def shares(self) -> tuple[float, float]:
+        near, far = self.exact_shares
+        return to_double(near), to_double(far)
+
+    @property
+    def middle(self) -> np.ndarray:
+        """(3,) a point deep inside."""
+        u, v = (0.5 * (first + last) for first, last in self.angles)
+        s = 0.5 * sum(self.shares) * self.radii[1]
+        rho = self.radii[0] + s * math.cos(v)
+        middle: np.ndarray = self.pose @ [rho * math.cos(u), rho * math.sin(u), s * math.sin(v), 1.0]
+        return middle
 
     @property
     def pose(self) -> np.ndarray:
@@ -98,7 +128,10 @@ class Torus(Placing):
             raise InputError(f"points are {shown(points)}; give an (n, 3) array of numbers") from error
         if p.shape[-1:] != (3,) or p.ndim > 2 or not np.all(np.isfinite(p)):
             raise InputError(f"points have shape {p.shape}; give an (n, 3) array of finite numbers")
-        found = [self._holds([exact_value(c) for c in row]) for row in p.reshape(-1, 3).tolist()]
+        lo, hi = self.bounds()
+        near = ((p >= lo) & (p <= hi)).all(axis=-1).reshape(-1)
+        rows = zip(near.tolist(), p.reshape(-1, 3).tolist(), strict=True)
+        found = [here and self._holds([exact_value(c) for c in row]) for here, row in rows]
         return np.array(found if p.ndim == 2 else found[0])
 
     def _holds(self, place: list[fmpq]) -> bool:

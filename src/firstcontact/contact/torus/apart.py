@@ -26,8 +26,8 @@ MOST_CELLS = 1500
 MOST_TERMS, MOST_FACTORS = 64, 8
 """Of a model's tree next to a cell, as a union of intersections."""
 AT_ONCE = 20_000
-NEXT = 3.0
-"""Sizes of a cell from its middle: up to there it tells where heights are equal."""
+NEXT = 0.5
+"""By how much cells are enlarged about their middles: up to there it tells where heights are equal."""
 LEAST_SIZE = 0.1
 """Of cells that are halved, as a part of their way meanwhile."""
 
@@ -223,8 +223,14 @@ def _mixed(term: list[Literal], x: Slopes, some: np.ndarray) -> tuple[np.ndarray
             v, p, s = (np.einsum("nc,nc...->n...", weights, y) for y in parts)
             sure[left] = v + (p - np.abs(s)).min(axis=1) > 0.0
             there = (value[left] + np.einsum("nck,nk->nc", over[left], level)).max(axis=1)
-            hope[left] &= (there + 4.0 * unsure[left] > np.abs(s.mean(axis=1))) | (np.abs(level).sum(axis=1) > NEXT)
+            hope[left] &= (there + 4.0 * unsure[left] > np.abs(s.mean(axis=1))) | _is_beyond(level)
     return sure, hope
+
+
+def _is_beyond(level: np.ndarray) -> np.ndarray:
+    """(n,) whether points, moved to from the middles of cells as (n, k) tell, are beyond their enlarged hulls."""
+    beyond: np.ndarray = level.min(axis=1) - level.mean(axis=1) < -(1.0 + NEXT) / level.shape[1]
+    return beyond
 
 
 def _weights(over: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

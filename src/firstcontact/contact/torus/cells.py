@@ -6,6 +6,8 @@ Cells cover a body's surface, those of a torus all of it where that is wanted, i
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 
@@ -17,6 +19,7 @@ SAMPLES = 16
 """Points along either circle of a torus."""
 HALVINGS = 64
 """Of a side of a triangle; each rounds its middle."""
+TURN = 2.0 * math.pi
 PARTS = 8
 """Of either circle of a torus at first."""
 
@@ -93,29 +96,38 @@ class Triangles(Cells):
 class Wedges(Cells):
     """Of a torus: rows of two angles along its circle, two around that, and two parts of `minor` from it.
 
-    inner: 0 for all of the torus, 1 for its surface.  half_plane: of one half-plane about its axis alone.
+    skin: its surface alone.  half_plane: of one half-plane about its axis alone.
     """
 
     flat = False
 
-    def __init__(self, torus: Torus, inner: float, half_plane: bool = False) -> None:
-        (self.major, self.minor), self.inner, self.half_plane = torus.radii, inner, half_plane
-        self.reach, self.pose = self.major + self.minor, square(torus.pose)
+    def __init__(self, torus: Torus, skin: bool, half_plane: bool = False) -> None:
+        (self.major, self.minor), self.shares, self.angles = torus.radii, torus.shares, torus.angles
+        self.skin, self.half_plane = skin, half_plane
+        self.reach, self.pose = self.major + self.shares[1] * self.minor, square(torus.pose)
+        self.width = self.major if torus.is_whole else self.reach
 
     def support(self, across: np.ndarray) -> np.ndarray:
-        return support(self.major, self.minor, across)
+        return support(self.major, self.shares[1] * self.minor, across)
 
     def samples(self) -> np.ndarray:
-        u, v = (x.ravel() for x in np.meshgrid(*[np.arange(SAMPLES) * (2.0 * math.pi / SAMPLES)] * 2))
+        parts = [first + (last - first) * np.arange(SAMPLES) / SAMPLES for first, last in self.angles]
+        u, v = (x.ravel() for x in np.meshgrid(*parts))
         rho = self.major + self.minor * np.cos(v)
         return np.column_stack([rho * np.cos(u), rho * np.sin(u), self.minor * np.sin(v)])
 
     def all(self) -> np.ndarray:
-        ends = np.linspace(0.0, 2.0 * math.pi, PARTS + 1)
-        pairs = np.column_stack([ends[:-1], ends[1:]])
-        along = np.zeros((1, 2)) if self.half_plane else pairs
-        rows = [[*u, *v, self.inner, 1.0] for u in along.tolist() for v in pairs.tolist()]
-        return np.array(rows)
+        ranges = [*(_parts(*ends) for ends in self.angles), np.array([self.shares])]
+        if self.half_plane:
+            ranges[0] = np.zeros((1, 2))
+        return np.concatenate([_rows(sides) for sides in (self._skin(ranges) if self.skin else [ranges])])
+
+    def _skin(self, ranges: list[np.ndarray]) -> Iterator[list[np.ndarray]]:
+        """Where one of the three goes no farther."""
+        yield [*ranges[:2], np.array([[s, s] for s in self.shares if s > 0.0])]
+        for k, (first, last) in enumerate(self.angles):
+            if last - first < TURN and not (self.half_plane and k == 0):
+                yield [*ranges[:k], np.array([[first, first], [last, last]]), *ranges[k + 1 :]]
 
     def points(self, cells: np.ndarray) -> np.ndarray:
         """An arc lies in the hull of its ends and of where the tangents there meet."""
@@ -144,11 +156,22 @@ class Wedges(Cells):
 
     def halves(self, cells: np.ndarray) -> np.ndarray:
         u0, u1, v0, v1, near, far = cells.T
-        lengths = np.stack([(u1 - u0) * self.major, (v1 - v0) * self.minor * far, (far - near) * self.minor], axis=1)
+        lengths = np.stack([(u1 - u0) * self.width, (v1 - v0) * self.minor * far, (far - near) * self.minor], axis=1)
         k, rows = 2 * lengths.argmax(axis=1), np.arange(len(cells))
         one, other = cells.copy(), cells.copy()
         one[rows, k + 1] = other[rows, k] = 0.5 * (cells[rows, k] + cells[rows, k + 1])
         return np.concatenate([one, other])
+
+
+def _parts(first: float, last: float) -> np.ndarray:
+    """(n, 2) from one angle to another one, no part larger than those of a turn."""
+    ends = np.linspace(first, last, max(1, math.ceil(PARTS * (last - first) / TURN - 1e-9)) + 1)
+    return np.column_stack([ends[:-1], ends[1:]])
+
+
+def _rows(ranges: list[np.ndarray]) -> np.ndarray:
+    """(n, 2 k) all combinations of ranges (n_i, 2)."""
+    return np.array([np.concatenate(x) for x in product(*ranges)])
 
 
 def square(rows: np.ndarray) -> np.ndarray:

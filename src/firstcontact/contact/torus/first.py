@@ -47,7 +47,10 @@ def intervals(query: Query) -> ContactIntervals:
 
 def _refuse_exact(query: Query) -> None:
     if query.is_algebraic:
-        raise UnsupportedPair("times of contact with tori are not exact; drop exact=True and method='algebraic'")
+        part = any(isinstance(x, Torus) and not x.is_whole for x in map(shape_of, query.bodies))
+        other = ", or load the part with surfaces=False" if part else ""
+        do = f"drop exact=True and method='algebraic'{other}"
+        raise UnsupportedPair(f"times of contact with tori are not exact; {do}")
 
 
 class _TorusSearch:

@@ -66,7 +66,7 @@ def roles_of(bodies: tuple[kinds.Body, kinds.Body]) -> Roles:
     torus, other = shapes[side], shapes[1 - side]
     half = is_round_pair(bodies, torus)
     heights = FormHeights(other) if other.kind == MODEL else Ring(other)
-    return Roles(side, Wedges(torus, 1.0, half), Wedges(torus, 0.0, half), heights)
+    return Roles(side, Wedges(torus, True, half), Wedges(torus, False, half), heights)
 
 
 def is_round_pair(bodies: tuple[kinds.Body, kinds.Body], torus: Torus) -> bool:
@@ -86,7 +86,8 @@ class TorusFree:
         self.shapes = [shape_of(x) for x in bodies]
         self.most = max(MOST_CELLS, len(self.roles.surface.all()))
         side = next((k for k, shape in enumerate(self.shapes) if shape.kind in (MESH, MODEL)), None)
-        self.passages = None if side is None else Passages(self, bodies, side, span)
+        whole = side is not None and self.shapes[1 - side].is_whole
+        self.passages = Passages(self, bodies, side, span) if side is not None and whole else None
 
     def at(self, window: Window, t: float) -> bool:
         every = self.roles.all
@@ -170,7 +171,6 @@ class TorusFree:
         if self.roles.mesh is None:
             return False
         own, other = (pose_of(table, t) for table in self.tables(window))
-        major, _ = self.shapes[1 - self.roles.side].radii
-        place = np.linalg.solve(own, other @ self.roles.heights.pose @ [major, 0.0, 0.0, 1.0])
+        place = np.linalg.solve(own, other @ np.append(self.shapes[1 - self.roles.side].middle, 1.0))
         x, y, z = (exact_value(c) for c in place[:3].tolist())
         return bool(contains(self.roles.mesh, tree_of(self.roles.mesh), (x, y, z)))

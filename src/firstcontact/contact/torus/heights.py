@@ -59,18 +59,20 @@ class Heights:
 
 
 class Ring(Heights):
-    """The distance from a torus, negative inside."""
-
-    tree = Leaf(0)
+    """The distance from a torus, negative inside; of a sector those from both tubes, then those from its walls."""
 
     def __init__(self, torus: Torus) -> None:
-        (self.major, self.minor), self.pose = torus.radii, square(torus.pose)
+        (self.major, minor), self.pose, self.tree = torus.radii, square(torus.pose), torus.tree
+        near, far = torus.shares
+        self.radii = [far * minor, near * minor] if near > 0.0 else [far * minor]
+        self.walls = np.array([[to_double(x) for x in wall] for wall in torus.walls]).reshape(-1, 5)
+        """Rows p, n, c: p rho + n . x + c is negative behind the wall."""
+        self.count = len(self.radii) + len(self.walls)
 
     def around(self, c: np.ndarray, reach: np.ndarray) -> Around:
         rho = np.hypot(c[:, 0], c[:, 1])
         across = rho - self.major
         away = np.hypot(across, c[:, 2])
-        value = away - self.minor
         turn = across / (away * rho)
         gradient = np.column_stack([turn * c[:, 0], turn * c[:, 1], c[:, 2] / away])
         nearest, axis = away - reach, rho - reach
@@ -79,12 +81,39 @@ class Ring(Heights):
         counter = np.where(clear, np.maximum(1.0, np.maximum(0.0, across + reach) / axis) / nearest, np.inf)
         gradient = np.where(np.isfinite(gradient).all(axis=1)[:, None], gradient, 0.0)
         error = 16.0 * U * (rho + np.abs(c[:, 2]) + self.major + reach)
-        least = np.stack([value - reach - error, -value - reach - error])
-        bends = np.stack([bend, counter])
-        return Around(value[:, None], error[:, None], gradient[:, None], bends[:, :, None], least[:, :, None])
+        told = []
+        for sign, radius in zip((1.0, -1.0), self.radii, strict=False):
+            value = sign * (away - radius)
+            least = np.stack([value - reach - error, -value - reach - error])
+            told.append(Around(value, error, sign * gradient, np.stack([bend, counter][:: int(sign)]), least))
+        told += [self._beyond_wall(wall, c, rho, reach, error) for wall in self.walls]
+        values, errors, gradients, bends, leasts = zip(*told, strict=True)
+        return Around(
+            np.stack(values, 1), np.stack(errors, 1), np.stack(gradients, 1), np.stack(bends, 2), np.stack(leasts, 2)
+        )
+
+    def _beyond_wall(
+        self, wall: np.ndarray, c: np.ndarray, rho: np.ndarray, reach: np.ndarray, error: np.ndarray
+    ) -> Around:
+        """rho is convex, and bends by its inverse at most."""
+        value = wall[0] * rho + c @ wall[1:4] + wall[4]
+        out = np.column_stack([c[:, 0], c[:, 1], np.zeros(len(c))]) / np.where(rho > 0.0, rho, 1.0)[:, None]
+        clear = rho > reach
+        bend = np.where(clear, 1.0 / np.where(clear, rho - reach, 1.0), np.inf)
+        bends = np.stack([abs(wall[0]) * bend if sign * wall[0] > 0.0 else 0.0 * rho for sign in (-1.0, 1.0)])
+        steep = (abs(wall[0]) + float(np.linalg.norm(wall[1:4]))) * (1.0 + 1e-14) * reach
+        error = error * (1.0 + float(np.abs(wall[:4]).max()))  # that of c is at most the radius, times these
+        least = np.stack([value - steep - error, -value - steep - error])
+        return Around(value, error, wall[0] * out + wall[1:4], bends, least)
 
     def beyond_flat(self, normals: np.ndarray) -> np.ndarray:
-        return support(self.major, self.minor, normals) * (1 + 1e-14)
+        return support(self.major, self.radii[0], normals) * (1 + 1e-14)
+
+    def planes(self) -> np.ndarray | None:
+        if not len(self.walls):
+            return None
+        flat = np.where(self.walls[:, :1] == 0.0, self.walls[:, 1:], 0.0)
+        return np.vstack([np.zeros((len(self.radii), 4)), flat])
 
 
 class FormHeights(Heights):

@@ -15,6 +15,7 @@ from firstcontact.contact.models.answer import element as element_of_model
 from firstcontact.contact.named import element as element_of_ruled
 from firstcontact.contact.ruled_solid.solid_touches import feature_at
 from firstcontact.contact.torus.cells import square
+from firstcontact.contact.torus.heights import Ring
 from firstcontact.result import Element
 from firstcontact.search.events.ruled_charts import ChartSheet
 from firstcontact.search.trees.frame import tree_of
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 NEAR = 1e-5
 """Of sizes: features as near as that to a point near the contact are taken for those that touch."""
+FARTHER = 1e-3
+"""The same, where there is none as near: cells that are left at a contact in doubles may be as large."""
 STEPS = 12
 ACROSS = {2: 0, 0: 1, 1: 2}
 """The side of a triangle across from each corner."""
@@ -60,8 +63,9 @@ def contact_near(
     k = next(i for i, shape in enumerate(shapes) if isinstance(shape, Torus))
     near = np.linalg.solve(poses[1 - k], [*place, 1.0])[:3]
     grown = np.linalg.det(np.linalg.inv(poses[1 - k])[:3, :3] @ poses[k][:3, :3] @ shapes[k].pose[:, :3])
-    size = shapes[k].radii[0] * abs(float(grown)) ** (1 / 3)  # in the frame of the other
-    own, theirs = of_torus(shapes[k], "ab"[k]), theirs or _near(shapes[1 - k], near, size, "ba"[k])
+    size = sum(shapes[k].radii) * abs(float(grown)) ** (1 / 3)  # in the frame of the other
+    theirs = theirs or _near(shapes[1 - k], near, size, "ba"[k])
+    own = of_torus(shapes[k], np.linalg.solve(poses[k], [*place, 1.0])[:3], "ab"[k])
     ring = seen_from(own.surfaces[0], np.linalg.inv(poses[k]) @ poses[1 - k])
     x = nearest(ring, theirs.surfaces, near, size) if theirs.surfaces else near
     normal = ring.jet(x)[1] @ np.linalg.inv(poses[1 - k][:3, :3])
@@ -72,15 +76,20 @@ def contact_near(
 
 def _near(shape: Torus | Polyhedron | CompositeQuadric, x: np.ndarray, size: float, which: str) -> Touching:
     if isinstance(shape, Torus):
-        return of_torus(shape, which)
+        return of_torus(shape, x, which)
     return of_mesh(shape, x, which) if isinstance(shape, Polyhedron) else of_model(shape, x, size, which)
 
 
-def of_torus(torus: Torus, which: str) -> Touching:
-    (face,) = torus.faces
-    back = np.linalg.inv(square(torus.pose))
-    own = Surface(lambda x: distance(torus, x))
-    return Touching(Element("face", torus.name or which, 0, face.name), [seen_from(own, back)])
+def of_torus(torus: Torus, x: np.ndarray, which: str) -> Touching:
+    """x: near the contact: where its face is not, a sector touches by its walls."""
+    back, ring = np.linalg.inv(square(torus.pose)), Ring(torus)
+    near = np.abs(ring.around((back[:3, :3] @ x + back[:3, 3])[None], np.zeros(1)).values[0])
+    outer = k = int(torus.shares[1] != 1.0)
+    if not torus.is_whole and near[k] > NEAR * sum(torus.radii):
+        k = int(near.argmin())
+    face = torus.faces[0 if k == outer else k + 1 if k < outer else max(k, 1)]
+    own = Surface(lambda x: _height(ring, k, x))
+    return Touching(Element("face", torus.name or which, face.index, face.name), [seen_from(own, back)])
 
 
 def seen_from(surface: Surface, way: np.ndarray) -> Surface:
@@ -92,23 +101,28 @@ def seen_from(surface: Surface, way: np.ndarray) -> Surface:
     return Surface(jet)
 
 
-def distance(torus: Torus, x: np.ndarray) -> Jet:
-    """From a torus in its own frame, negative inside."""
-    major, minor = torus.radii
+def _height(ring: Ring, k: int, x: np.ndarray) -> Jet:
+    """One of its heights, in its own frame."""
     rho = max(float(np.hypot(x[0], x[1])), 1e-300)
-    away = max(float(np.hypot(rho - major, x[2])), 1e-300)
+    away = max(float(np.hypot(rho - ring.major, x[2])), 1e-300)
     out, along = np.array([x[0] / rho, x[1] / rho, 0.0]), np.array([-x[1] / rho, x[0] / rho, 0.0])
-    c, s = (rho - major) / away, x[2] / away
-    gradient, around = c * out + [0.0, 0.0, s], -s * out + [0.0, 0.0, c]
-    return away - minor, gradient, np.outer(around, around) / away + c / rho * np.outer(along, along)
+    if k >= len(ring.radii):
+        p, *n, rest = ring.walls[k - len(ring.radii)]
+        return p * rho + float(np.dot(n, x)) + rest, p * out + n, p / rho * np.outer(along, along)
+    c, s = (rho - ring.major) / away, x[2] / away
+    sign, gradient, around = (1.0, -1.0)[k], c * out + [0.0, 0.0, s], -s * out + [0.0, 0.0, c]
+    bent = np.outer(around, around) / away + c / rho * np.outer(along, along)
+    return sign * (away - ring.radii[k]), sign * gradient, sign * bent
 
 
 def of_model(model: CompositeQuadric, x: np.ndarray, size: float, which: str) -> Touching:
     point = np.append(x, 1.0)
     image = model.forms @ point
     values, lengths = image @ point, 2.0 * np.linalg.norm(image[:, :3], axis=1)
-    near = np.abs(values) <= NEAR * size * np.maximum(lengths, 1e-300)
-    feature = feature_at(model, np.where(near, 0, np.sign(values)).astype(int).tolist(), x)
+    feature = None
+    for part in (NEAR, FARTHER):
+        near = np.abs(values) <= part * size * np.maximum(lengths, 1e-300)
+        feature = feature or feature_at(model, np.where(near, 0, np.sign(values)).astype(int).tolist(), x)
     if feature is None:
         return Touching(None, [])
     forms = [model.forms[k] for k in feature.surfaces][:3]
