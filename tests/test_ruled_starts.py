@@ -15,6 +15,7 @@ import pytest
 import firstcontact as fc
 from amount import amount
 from contact_places import assert_on_both
+from firstcontact.contact.signs import exactly
 
 INITIAL = fc.Status.INITIAL_CONTACT
 
@@ -36,6 +37,25 @@ def test_the_point_of_a_start_is_on_both_pieces():
     hit = fc.first_contact(a, b, (0.4375, 1))
     assert (hit.status, hit.initial) == (INITIAL, "touching")
     assert_on_both(hit, a, b)
+
+
+@pytest.mark.parametrize("other, far", (
+    (fc.sphere(2), 0), (fc.examples.box((2, 2, 2)), 2**40), (fc.RuledSurface("(0, u, -1)", "(0, u, 1)"), 0),
+))  # fmt: skip
+def test_how_a_start_lies_is_asked_exactly_when_it_is_read(monkeypatch, other, far):
+    """Ninety milliseconds of elimination went before each answer, whose proof had taken eight."""
+    asked = []
+    monkeypatch.setattr(exactly, "first", lambda *given, ask=exactly.first: asked.append(1) or ask(*given))
+    a, b = (body.translated((far, 0, 0)) for body in (fc.RuledSurface("(-u, 0, 0)", "(3, 3, u)"), other))
+    a = a.moving(fc.Rotation((0, 0, 1), point=(far, 0, 0), degrees=90))
+    hit = fc.first_contact(a, b)
+    assert (hit.status, hit.time, asked) == (INITIAL, 0.0, [])
+    exact = fc.first_contact(a, b, method="algebraic")
+    asked.clear()
+    assert (hit.initial, hit.multiplicity, hit.contact_set) == (exact.initial, exact.multiplicity, exact.contact_set)
+    assert hit.element_a == exact.element_a
+    assert hit.point.tolist() == exact.point.tolist()
+    assert asked == [1]
 
 
 # ------------------------------------------------------------------------------------ starts with a place in common

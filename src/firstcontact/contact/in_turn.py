@@ -2,11 +2,13 @@
 
 Which of them is quicker is not known beforehand.  So each is asked within a limit that grows from round to round, and
 no answer takes many times what the quicker one takes.  Doubles begin, for they prove most free spans at once; what they
-prove to be in contact is looked at exactly near that time alone, which tells what touches.
+prove to be in contact is looked at exactly near that time alone, which tells what touches: when it is read, where the
+time is known to one rounding.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -15,6 +17,7 @@ from typing import NamedTuple, TypeVar
 from flint import fmpq
 
 from firstcontact.contact.signs.sheets import FARTHER, FARTHEST, QUICK, Reach
+from firstcontact.contact.signs.starts import told_later
 from firstcontact.contact.ways import Passed, R, Way, answered, decided, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value
@@ -64,6 +67,8 @@ def _first_ways(
         proved = in_doubles(_limited(query, own.boxes))
         if query.is_certified or query.is_spent(proved.reason) or is_told(proved):
             return proved
+        if _is_timed(proved):
+            return told_later(proved, partial(_told_nearby, replace(query, progress=None), own, exactly, proved))
         found.append(proved)
         return Passed(proved.reason or "it is not told what touches", proved)
 
@@ -73,10 +78,7 @@ def _first_ways(
         limited = _limited(query, own.steps)
         if proved is None or proved.time_interval is None:
             return _beside(proved, decided(exactly(limited, own.reach), query))
-        near = exactly(_nearby(limited, proved.time_interval), QUICK)
-        if near.status is not proved.status:
-            return Passed("it denies what doubles proved" if near.reason is None else near.reason)
-        return replace(near, span=query.span)
+        return _seen_nearby(limited, exactly, proved)
 
     def is_open(query: Query, proved: FirstContact | None) -> bool:
         if query.is_certified:
@@ -84,6 +86,29 @@ def _first_ways(
         return proved is None or proved.status is Status.UNDECIDED or any(proved is x for x in found)
 
     return [Way("in doubles", by_doubles, _is_cut_short), Way("exactly", by_elimination, is_open)]
+
+
+def _is_timed(proved: FirstContact) -> bool:
+    """Whether doubles tell a time of contact as closely as doubles can, so that only its place is left to tell."""
+    if proved.time_interval is None:
+        return False
+    lo, hi = proved.time_interval
+    return hi <= math.nextafter(lo, math.inf)
+
+
+def _seen_nearby(query: Query, exactly: Exactly, proved: FirstContact) -> FirstContact | Passed:
+    """What elimination tells of a time at which contact is proved."""
+    assert proved.time_interval is not None
+    near = exactly(_nearby(query, proved.time_interval), QUICK)
+    if near.status is not proved.status:
+        return Passed("it denies what doubles proved" if near.reason is None else near.reason)
+    return replace(near, span=query.span)
+
+
+def _told_nearby(query: Query, own: Round, exactly: Exactly, proved: FirstContact) -> FirstContact | None:
+    """The same; None where elimination does not tell."""
+    found = tried(partial(_seen_nearby, _limited(query, own.steps), exactly, proved))
+    return None if isinstance(found, Passed) else found
 
 
 def _with_advice(query: Query, ask: Callable[[], T], in_doubles: InDoubles) -> T:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
+from firstcontact.contact.later import LATER, waiting
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
@@ -29,19 +30,41 @@ def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstCo
     UNDECIDED remains where they are apart: nothing is proved of the times after the start.
     """
     found = answer(query)
-    if query.method != "auto" or query.budget is not None or not _is_open(found):
+    if query.method != "auto" or query.budget is not None:
         return found
+    if found.status is Status.INITIAL_CONTACT:
+        return told_later(found, lambda: _of_start(query, found, answer) if _is_untold(found) else None)
+    told = _of_start(query, found, answer) if _is_open(found) else None
+    return found if told is None else told
+
+
+def told_later(found: FirstContact, ask: Callable[[], FirstContact | None]) -> FirstContact:
+    """A contact: what touches, and how, is what `ask` tells when that is read, and as found where it has None."""
+    def places() -> dict[str, object]:
+        told = ask()
+        if told is None:
+            return {}
+        return {name: getattr(told, name) for name in LATER} | {"initial": told.initial or found.initial}
+
+    return waiting(found, places)
+
+
+def _of_start(query: Query, found: FirstContact, answer: Callable[[Query], FirstContact]) -> FirstContact | None:
+    """What is told of the bodies at rest, as to the query; None where they are not proved to share a point."""
     told = tried(lambda: answer(_at_rest(query)))
     if isinstance(told, Passed) or told.status is not Status.INITIAL_CONTACT:
-        return found
+        return None
     initial, stats = told.initial or found.initial, found.stats + told.stats
     return replace(told, initial=initial, a=query.a, b=query.b, span=query.span, stats=stats)
 
 
+def _is_untold(found: FirstContact) -> bool:
+    """Whether something is left to tell of a start in contact."""
+    return found.initial is None or (found.initial != "containment" and found.point is None)
+
+
 def _is_open(found: FirstContact) -> bool:
-    """Whether something is left to tell of the start."""
-    if found.status is Status.INITIAL_CONTACT:
-        return found.initial is None or (found.initial != "containment" and found.point is None)
+    """Whether it is not told that the bodies are apart at the start, and doubles will not tell it."""
     if found.status is not Status.UNDECIDED or found.free_until is None:
         return False
     return found.reason == "precision" and found.free_until <= found.span[0]
