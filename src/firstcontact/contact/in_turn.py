@@ -67,7 +67,7 @@ def _first_ways(
         proved = in_doubles(_limited(query, own.boxes))
         if query.is_certified or query.is_spent(proved.reason) or is_told(proved):
             return proved
-        if _is_timed(proved):
+        if proved.status is Status.CONTACT and _is_timed(proved):
             return told_later(proved, partial(_told_nearby, replace(query, progress=None), own, exactly, proved))
         found.append(proved)
         return Passed(proved.reason or "it is not told what touches", proved)
@@ -90,8 +90,7 @@ def _first_ways(
 
 def _is_timed(proved: FirstContact) -> bool:
     """Whether doubles tell a time of contact as closely as doubles can, so that only its place is left to tell."""
-    if proved.time_interval is None:
-        return False
+    assert proved.time_interval is not None
     lo, hi = proved.time_interval
     return hi <= math.nextafter(lo, math.inf)
 

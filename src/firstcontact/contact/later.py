@@ -13,10 +13,10 @@ LATER = (
 
 
 def waiting(found: FirstContact, places: Callable[[], dict[str, object]], **changes: object) -> FirstContact:
-    """The answer with these changes; `places` tells what is different about the fields of LATER, when one is read."""
+    """The answer with these changes; `places` tells what else is different of the fields of LATER, when one is read."""
     known = {name: getattr(found, name) for name in FirstContact.__dataclass_fields__ if name not in LATER}
 
     def rest() -> dict[str, object]:
-        return {name: getattr(found, name) for name in LATER} | places()
+        return {name: getattr(found, name) for name in LATER} | places() | changes
 
     return FirstContact.deferring({**known, **changes}, rest)

@@ -87,13 +87,10 @@ def _is_with_convex(query: Query) -> bool:
 
 
 def _is_told(proved: FirstContact) -> bool:
-    """Whether exact arithmetic has nothing to add: the bodies are free, one holds the other or one point touches.
-
-    Of those in contact at the start doubles know a place, not a point that both have.
-    """
+    """Whether exact arithmetic has nothing to add but to a start: the bodies are free, or one point touches."""
     if proved.status is Status.CONTACT:
         return proved.contact_set is not None
-    return proved.status is Status.FREE or proved.initial == "containment"
+    return proved.status is not Status.UNDECIDED
 
 
 # -- in exact arithmetic --------------------------------------------------------------------------------------

@@ -56,12 +56,10 @@ def _exactly(query: Query, reach: Reach) -> FirstContact:
 
 
 def _is_told(proved: FirstContact) -> bool:
-    """Whether exact arithmetic has nothing to add to what was proved about a surface and a solid."""
-    if proved.status is Status.INITIAL_CONTACT:
-        return proved.initial is not None
+    """Whether exact arithmetic has nothing to add to what was proved about a surface and a solid, but to a start."""
     if proved.status is Status.CONTACT:
         return proved.element_a is not None
-    return proved.status is Status.FREE
+    return proved.status is not Status.UNDECIDED
 
 
 def _solid_last(query: Query) -> tuple[Query, bool]:
