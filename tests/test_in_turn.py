@@ -41,6 +41,15 @@ def test_elimination_looks_near_the_time_that_doubles_proved():
     assert (auto.multiplicity, auto.element_a) == (exact.multiplicity, exact.element_a)
 
 
+def test_doubles_go_on_alone_where_elimination_takes_no_such_motion():
+    """They began anew after a second refusal: all contacts of a piece that slides in a cone took twice the time."""
+    piece = fc.RuledSurface("(1 - u, 1, u - 3)", "(-2, 5 - 3*u, 3)")
+    cone = fc.cone(2, 1).rotated((1, 0, 0), degrees=90).translated((2, 1, -1))
+    turning = piece.moving(fc.Screw((1, 0, 0), (-1, 1, -1), degrees=720, advance=4))
+    found = fc.contact_intervals(turning, cone, (0.25, 0.3125))
+    assert names(found) == ["in doubles, if free", "exactly", "in doubles"]
+
+
 def test_box_and_blade_in_both_orders():
     """The second order took seven gigabytes and did not end."""
     box = fc.examples.box((1, 1, 1)).translated((0, 0, 5))
