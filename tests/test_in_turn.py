@@ -4,9 +4,13 @@ import time as clock
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from amount import THOROUGH
+from firstcontact.contact.in_turn import ROUNDS, intervals_in_turn
+from firstcontact.contact.signs.sheets import TooLarge
+from firstcontact.work import Query
 
 BLADE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="blade")
 PLATE = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="plate")
@@ -43,11 +47,24 @@ def test_elimination_looks_near_the_time_that_doubles_proved():
 
 def test_doubles_go_on_alone_where_elimination_takes_no_such_motion():
     """They began anew after a second refusal: all contacts of a piece that slides in a cone took twice the time."""
-    piece = fc.RuledSurface("(1 - u, 1, u - 3)", "(-2, 5 - 3*u, 3)")
-    cone = fc.cone(2, 1).rotated((1, 0, 0), degrees=90).translated((2, 1, -1))
-    turning = piece.moving(fc.Screw((1, 0, 0), (-1, 1, -1), degrees=720, advance=4))
-    found = fc.contact_intervals(turning, cone, (0.25, 0.3125))
-    assert names(found) == ["in doubles, if free", "exactly", "in doubles"]
+    limits = []
+
+    def in_doubles(query, work):
+        limits.append(work.budget)
+        told = (fc.Status.FREE, None) if work.budget is None else (fc.Status.UNDECIDED, "budget")
+        return fc.ContactIntervals((), told[0], 0.0, told[1])
+
+    def of(refusal):
+        def exactly(query, work, reach):
+            raise refusal("no")
+
+        limits.clear()
+        query = Query(BLADE, PLATE, fmpq(0), fmpq(1))
+        found = intervals_in_turn(query, lambda own: fc.FirstContact(fc.Status.CONTACT), in_doubles, exactly)
+        return found.status, limits
+
+    assert of(fc.UnsupportedPair) == (fc.Status.FREE, [None])
+    assert of(TooLarge) == (fc.Status.FREE, [ROUNDS[1].boxes, None])  # which may be less so in the next round
 
 
 def test_box_and_blade_in_both_orders():
