@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from firstcontact.search.convex.close_up import CloseUp
 
 Z = (0, 0, 1)
 PLATE = fc.box((6, 6, 2)).named("plate")
@@ -95,3 +96,19 @@ def test_a_motion_ends_in_contact_with_a_solid_with_a_hole(lander, other, ending
     assert hit.status is fc.Status.CONTACT and hit.time == 1.0 and hit.time_interval[1] == 1.0
     short = fc.first_contact(body.moving(ENDING[ending]((F(18) - F(1, 10**9), 0, 0))), HOLED[other])
     assert short.status is fc.Status.FREE
+
+
+def test_nothing_is_proved_of_a_last_instant_in_which_bodies_touch(monkeypatch):
+    """Balls cut the last 1e-15 of the span into sixty parts, in half a second, before algebra was asked."""
+    proofs = []
+    holds = CloseUp._holds_at_once
+    monkeypatch.setattr(CloseUp, "_holds_at_once", lambda *given: proofs.append(1) or holds(*given))
+    box = fc.box((2, 8, 9)).transformed([
+        [F(-31, 51), F(-14, 51), F(38, 51), F(63, 34)], [F(-14, 51), F(-206, 255), F(-133, 255), F(227, 17)],
+        [F(38, 51), F(-133, 255), F(106, 255), F(-26, 17)], [0, 0, 0, 1],
+    ])  # fmt: skip
+    bowl = fc.hyperboloid((F(9, 10), F(9, 10), 2), F(35, 8), sheets=2).translated((1, F(33, 40), F(-1, 2)))
+    hit = fc.first_contact(box.moving(fc.Translation((F(-5, 2), -6, 3))), bowl)
+    assert hit.status is fc.Status.CONTACT and hit.time == 1.0
+    assert (hit.element_a.kind, hit.multiplicity) == ("vertex", 1)
+    assert len(proofs) < 4
