@@ -37,14 +37,19 @@ from firstcontact.timeline.lasting import LastingSolid
 from firstcontact.timeline.sweep import FirstTouch, TimeSweep, Unproved
 from firstcontact.work import Query, Spent, Work
 
+QUICK_STEPS = 64
+"""Candidates and looks between them that are made before doubles are asked: a few hundredths of a second."""
+
 
 @ignoring_idle_turns
 def intervals(query: Query) -> ContactIntervals:
-    """All closed times of contact of a Polyhedron and a CompositeQuadric, in either order: certified, else exact.
+    """All closed times of contact of a Polyhedron and a CompositeQuadric, in either order: soon exactly, or certified,
+    else exactly.
 
     Raises UnsupportedPair.
     """
     ways = [
+        Way("soon exactly", _soon_exactly, lambda query, _: query.is_auto and query.budget is None),
         Way("by triangles", lambda query, _: decided(_by_triangles(query, False), query), _is_in_doubles),
         Way("by triangles near the origin", partial(_anew, with_exact=False), _may_be_asked_again),
         Way("with exact first contacts", partial(_anew, with_exact=True), _may_be_asked_again),
@@ -59,6 +64,12 @@ def _is_in_doubles(query: Query, _: ContactIntervals | None) -> bool:
 
 def _may_be_exact(query: Query, _: ContactIntervals | None) -> bool:
     return not query.is_certified
+
+
+def _soon_exactly(query: Query, _: ContactIntervals | None) -> ContactIntervals | Passed:
+    """What few candidates tell, which takes them a tenth of what doubles take."""
+    found = exactly.intervals(query.limited(QUICK_STEPS))
+    return Passed(str(found.reason)) if found.status is Status.UNDECIDED else found
 
 
 def _by_triangles(query: Query, with_exact: bool) -> ContactIntervals:
