@@ -112,3 +112,23 @@ def test_nothing_is_proved_of_a_last_instant_in_which_bodies_touch(monkeypatch):
     assert hit.status is fc.Status.CONTACT and hit.time == 1.0
     assert (hit.element_a.kind, hit.multiplicity) == ("vertex", 1)
     assert len(proofs) < 4
+
+
+SHEET = fc.Polyhedron([(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0)], [[0, 1, 2, 3]])
+ABOVE = {
+    "stud": fc.cylinder("1/2", 1).translated((1, 0, "5/2")), "ball": fc.sphere(1).translated((1, 0, 3)),
+    "tip": fc.cone(1, 1).rotated((1, 0, 0), degrees=180).translated((1, 0, 3)),
+    "holed": (fc.cylinder(1, 1) - fc.cylinder("1/4", 2)).translated((1, 0, "5/2")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ABOVE)
+def test_a_screw_ends_in_contact_with_a_mesh(name):
+    """In a pose without rational numbers it was left open; a nearby one tells, as what is round or clear stays so."""
+    for advance, status in ((-2, fc.Status.CONTACT), (F(-2) + F(1, 10**9), fc.Status.FREE)):
+        moving = ABOVE[name].moving(fc.Screw(Z, degrees=77, advance=advance))
+        for hit in (fc.first_contact(moving, SHEET), fc.first_contact(SHEET, moving)):
+            assert hit.status is status
+            if status is fc.Status.CONTACT:
+                assert hit.time == 1.0 == hit.time_interval[1] and abs(hit.point[2]) < 1e-12
+    assert fc.first_contact(SHEET.moving(fc.Screw(Z, degrees=77, advance=2)), ABOVE[name]).time == 1.0
