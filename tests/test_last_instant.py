@@ -131,4 +131,6 @@ def test_a_screw_ends_in_contact_with_a_mesh(name):
             assert hit.status is status
             if status is fc.Status.CONTACT:
                 assert hit.time == 1.0 == hit.time_interval[1] and abs(hit.point[2]) < 1e-12
+        found = fc.contact_intervals(moving, SHEET)
+        assert found.status is status and all(x.end_interval == (1.0, 1.0) and x.start > 1 - 1e-12 for x in found)
     assert fc.first_contact(SHEET.moving(fc.Screw(Z, degrees=77, advance=2)), ABOVE[name]).time == 1.0

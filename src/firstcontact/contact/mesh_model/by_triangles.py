@@ -83,6 +83,13 @@ def first_in_doubles(query: Query) -> FirstContact:
     return _Answer(query, in_doubles=True).answer()
 
 
+def lands(query: Query) -> bool:
+    """Whether bodies that are free up to the last instant are proved to touch then, whatever their poses."""
+    answer = _Answer(query)
+    answer.answer()
+    return answer.lands
+
+
 def windows_of(a: Body, b: Body, first: fmpq, last: fmpq) -> list[Window]:
     try:
         return windows(a, b, first, last)
@@ -122,6 +129,8 @@ class _Answer:
         self.windows = windows_of(self.a, self.b, self.first, self.last)
         self.search = search_of(self.mesh, self.model, self.mesh_is_a, query.budget, query.progress)
         self.width = query.tolerance * (self.windows[-1].last - self.windows[0].first)
+        self.lands = False
+        """Whether the answer is a contact of the last instant alone."""
 
     def answer(self) -> FirstContact:
         for k, window in enumerate(self.windows):
@@ -368,7 +377,7 @@ class _Answer:
                 search = CandidateSearch(pair, self.work)
                 if meetings := [m for m in search.at_start() if all(is_kept(pair, m, motion) for motion in motions)]:
                     seen = contact_of(search, meetings, False, {**self.shared, "a": a, "b": b})
-                    until = swept.free_until
+                    until, self.lands = swept.free_until, True
                     seen = replace(
                         seen, time=self.span[1], time_interval=(until, above(self.last)), free_until=until,
                         stats=self._stats(), **self.shared,
