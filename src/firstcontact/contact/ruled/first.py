@@ -18,6 +18,7 @@ from firstcontact.contact.ruled import certified, posed
 from firstcontact.contact.ruled.crossing import across, named_as_before
 from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, parts_of
 from firstcontact.contact.ruled_solid import certified as by_search
+from firstcontact.contact.ruled_solid.level_pieces import first_of_level, intervals_of_level
 from firstcontact.contact.signs import exactly
 from firstcontact.contact.signs.conditions import conditions
 from firstcontact.contact.signs.exactly import PiecePair, span_of
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import RuledBody
 
 
+@intervals_of_level
 def intervals(query: Query) -> ContactIntervals:
     """All closed times at which the bodies share a point; in doubles, with proofs, where elimination goes too far.
 
@@ -48,6 +50,7 @@ def intervals(query: Query) -> ContactIntervals:
     return intervals_in_turn(query, _in_doubles, _all_in_doubles, _all_exactly)
 
 
+@first_of_level
 def first(query: Query) -> FirstContact:
     """The first shared point."""
     return with_start(query, _first_contact)

@@ -20,6 +20,7 @@ from firstcontact.contact.models.answer import element as element_of_solid
 from firstcontact.contact.named import element
 from firstcontact.contact.ruled.triangles import near_pairs, parts_of
 from firstcontact.contact.ruled_solid import certified
+from firstcontact.contact.ruled_solid.level_pieces import first_of_level, intervals_of_level
 from firstcontact.contact.ruled_solid.solid_conditions import SolidConditions
 from firstcontact.contact.ruled_solid.solid_times import solid_times
 from firstcontact.contact.ruled_solid.solid_touches import lies, solid_touch
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from firstcontact.contact.signs.conditions import SignConditions
 
 
+@first_of_level
 def first(query: Query) -> FirstContact:
     """The first shared point; in doubles, and exactly what they leave open or do not take, as the method allows."""
     return with_start(query, _first_contact)
@@ -69,6 +71,7 @@ def _solid_last(query: Query) -> tuple[Query, bool]:
     return replace(query, a=cut_to(ruled, solid, query.span), b=solid), is_turned
 
 
+@intervals_of_level
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact."""
     def decide(query: Query, work: Work, reach: Reach) -> ContactIntervals:
