@@ -4,9 +4,13 @@ import time as clock
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from amount import THOROUGH
+from firstcontact.contact.in_turn import ROUNDS, intervals_in_turn
+from firstcontact.contact.signs.sheets import TooLarge
+from firstcontact.work import Query
 
 BLADE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="blade")
 PLATE = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="plate")
@@ -39,6 +43,28 @@ def test_elimination_looks_near_the_time_that_doubles_proved():
     for found in (auto, sure, exact):
         assert found.time_interval[0] <= 0.45 <= found.time_interval[1]
     assert (auto.multiplicity, auto.element_a) == (exact.multiplicity, exact.element_a)
+
+
+def test_doubles_go_on_alone_where_elimination_takes_no_such_motion():
+    """They began anew after a second refusal: all contacts of a piece that slides in a cone took twice the time."""
+    limits = []
+
+    def in_doubles(query, work):
+        limits.append(work.budget)
+        told = (fc.Status.FREE, None) if work.budget is None else (fc.Status.UNDECIDED, "budget")
+        return fc.ContactIntervals((), told[0], 0.0, told[1])
+
+    def of(refusal):
+        def exactly(query, work, reach):
+            raise refusal("no")
+
+        limits.clear()
+        query = Query(BLADE, PLATE, fmpq(0), fmpq(1))
+        found = intervals_in_turn(query, lambda own: fc.FirstContact(fc.Status.CONTACT), in_doubles, exactly)
+        return found.status, limits
+
+    assert of(fc.UnsupportedPair) == (fc.Status.FREE, [None])
+    assert of(TooLarge) == (fc.Status.FREE, [ROUNDS[1].boxes, None])  # which may be less so in the next round
 
 
 def test_box_and_blade_in_both_orders():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from firstcontact.search.convex.close_up import CloseUp
 
 Z = (0, 0, 1)
 PLATE = fc.box((6, 6, 2)).named("plate")
@@ -95,3 +96,41 @@ def test_a_motion_ends_in_contact_with_a_solid_with_a_hole(lander, other, ending
     assert hit.status is fc.Status.CONTACT and hit.time == 1.0 and hit.time_interval[1] == 1.0
     short = fc.first_contact(body.moving(ENDING[ending]((F(18) - F(1, 10**9), 0, 0))), HOLED[other])
     assert short.status is fc.Status.FREE
+
+
+def test_nothing_is_proved_of_a_last_instant_in_which_bodies_touch(monkeypatch):
+    """Balls cut the last 1e-15 of the span into sixty parts, in half a second, before algebra was asked."""
+    proofs = []
+    holds = CloseUp._holds_at_once
+    monkeypatch.setattr(CloseUp, "_holds_at_once", lambda *given: proofs.append(1) or holds(*given))
+    box = fc.box((2, 8, 9)).transformed([
+        [F(-31, 51), F(-14, 51), F(38, 51), F(63, 34)], [F(-14, 51), F(-206, 255), F(-133, 255), F(227, 17)],
+        [F(38, 51), F(-133, 255), F(106, 255), F(-26, 17)], [0, 0, 0, 1],
+    ])  # fmt: skip
+    bowl = fc.hyperboloid((F(9, 10), F(9, 10), 2), F(35, 8), sheets=2).translated((1, F(33, 40), F(-1, 2)))
+    hit = fc.first_contact(box.moving(fc.Translation((F(-5, 2), -6, 3))), bowl)
+    assert hit.status is fc.Status.CONTACT and hit.time == 1.0
+    assert (hit.element_a.kind, hit.multiplicity) == ("vertex", 1)
+    assert len(proofs) < 4
+
+
+SHEET = fc.Polyhedron([(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0)], [[0, 1, 2, 3]])
+ABOVE = {
+    "stud": fc.cylinder("1/2", 1).translated((1, 0, "5/2")), "ball": fc.sphere(1).translated((1, 0, 3)),
+    "tip": fc.cone(1, 1).rotated((1, 0, 0), degrees=180).translated((1, 0, 3)),
+    "holed": (fc.cylinder(1, 1) - fc.cylinder("1/4", 2)).translated((1, 0, "5/2")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ABOVE)
+def test_a_screw_ends_in_contact_with_a_mesh(name):
+    """In a pose without rational numbers it was left open; a nearby one tells, as what is round or clear stays so."""
+    for advance, status in ((-2, fc.Status.CONTACT), (F(-2) + F(1, 10**9), fc.Status.FREE)):
+        moving = ABOVE[name].moving(fc.Screw(Z, degrees=77, advance=advance))
+        for hit in (fc.first_contact(moving, SHEET), fc.first_contact(SHEET, moving)):
+            assert hit.status is status
+            if status is fc.Status.CONTACT:
+                assert hit.time == 1.0 == hit.time_interval[1] and abs(hit.point[2]) < 1e-12
+        found = fc.contact_intervals(moving, SHEET)
+        assert found.status is status and all(x.end_interval == (1.0, 1.0) and x.start > 1 - 1e-12 for x in found)
+    assert fc.first_contact(SHEET.moving(fc.Screw(Z, degrees=77, advance=2)), ABOVE[name]).time == 1.0

@@ -189,3 +189,14 @@ def test_what_is_not_told_of_a_triangle_is_not_taken_for_apart(monkeypatch):
     monkeypatch.setattr(Standing, "primitive", lambda self, k: Place(None))
     with pytest.raises(fc.UnsupportedPair, match="not proved whether they touch"):
         fc.contact_intervals(ball, clip(), exact=True)
+
+
+def test_what_is_soon_told_exactly_is_asked_first():
+    """Doubles took a third of a second for an edge that turns away from a cylinder on which it lay, and told none."""
+    edge = fc.Polyhedron([(1, 0, -1), (1, 0, 1)], [], edges=[[0, 1]])
+    away = edge.moving(fc.Rotation((0, 0, 1), (-5, 0, 0), turns="1/4"))
+    found = fc.contact_intervals(primitives.cylinder(1, 4), away)
+    assert [asked.way for asked in found.stats.ways] == ["soon exactly"]
+    assert [(x.start, x.end) for x in found] == [(0.0, 0.0)]
+    many = fc.contact_intervals(clip().moving(fc.Screw((0, 0, 1), degrees=360, advance=2)), SMALL.translated((2, 1, 0)))
+    assert [asked.way for asked in many.stats.ways] == ["soon exactly", "by triangles"]

@@ -2,6 +2,7 @@
 
 import math
 import random
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -341,3 +342,36 @@ def test_two_points_at_once_are_not_told_as_one(feet, motion):
     hit = fc.first_contact(feet.translated((0, 0, 0.5)).moving(motion), BOARD, method="certified")
     lo, hi = hit.time_interval
     assert lo <= 0.5 <= hi and hit.contact_set is None
+
+
+COIN = fc.RuledSurface("(u, -1, 4)", "(u, 1, 4)", u=(-1, 1), trim=["u**2 + (2*s - 1)**2 <= 1"])
+DOWN, UP = (fc.Screw((0, 0, 1), degrees=77, advance=way) for way in (-8, 8))
+BOARDS = {
+    "solid": (fc.box((6, 6, 2)), 0.625), "mesh": (fc.examples.box((6, 6, 2)), 0.625),
+    "piece": (fc.RuledSurface("(u, -3, 1)", "(u, 3, 1)", u=(-3, 3)), 0.375),
+    "open mesh": (fc.Polyhedron([(-3, -3, 1), (3, -3, 1), (3, 3, 1), (-3, 3, 1)], [[0, 1, 2, 3]]), 0.375),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_a_coin_on_a_board_under_a_screw(name):
+    """Its face came to lie on the board's at once, which no search of events tells: 0.4999 was proved, slowly."""
+    board, end = BOARDS[name]
+    for a, b in ((COIN.moving(DOWN), board), (board.moving(UP), COIN)):
+        hit, found = fc.first_contact(a, b), fc.contact_intervals(a, b)
+        assert hit.status is fc.Status.CONTACT and hit.time_interval == (0.375, 0.375)
+        assert [(x.start_interval, x.end_interval) for x in found] == [((0.375, 0.375), (end, end))]
+
+
+@pytest.mark.parametrize("name", ["solid", "mesh"])
+def test_a_coin_beside_a_board_comes_to_it_by_the_turn(name):
+    """Its rim meets a side x = 3, at half a degree after the heights meet; beyond the corner it never does."""
+    moving = COIN.translated(("23/5", 0, 0)).moving(DOWN)
+    hit, found = fc.first_contact(moving, BOARDS[name][0]), fc.contact_intervals(moving, BOARDS[name][0])
+    then = math.degrees(math.acos(4 / 4.6)) / 77
+    assert hit.time == pytest.approx(then, abs=1e-12) and found[0].start == pytest.approx(then, abs=1e-12)
+    back = fc.first_contact(BOARDS[name][0], moving)
+    assert (back.element_b, back.element_a.index) == (replace(hit.element_a, body="b", label="b"), hit.element_b.index)
+    x, y, z = hit.point
+    assert (x, z) == pytest.approx((3, 4 - 8 * then), abs=1e-9) and y == pytest.approx(math.sqrt(4.6**2 - 16), abs=1e-9)
+    assert fc.first_contact(COIN.translated(("11/2", 0, 0)).moving(DOWN), BOARDS[name][0]).status is fc.Status.FREE

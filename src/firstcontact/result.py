@@ -549,7 +549,8 @@ class FirstContact(_Deferring, Shown):
     """The earliest time at which two moving bodies share a point, or the proof that they share none.
 
     Of polyhedra, point, normal and elements are worked out when one of them is first read, of curved solids point,
-    normal, others, multiplicity and contact_set; `stats` ends before that.
+    normal, others, multiplicity and contact_set, of ruled surfaces in contact at the start all these and initial;
+    `stats` ends before that.
 
     status          Status.FREE proves that they share no point at any time of ``span``.
     time            the double nearest the true time (the motion's parameter); None when free.

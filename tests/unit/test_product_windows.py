@@ -7,10 +7,11 @@ import pytest
 from flint import arb, fmpq
 
 import firstcontact as fc
+from firstcontact.exact.numbers import exact_value
 from firstcontact.kernels.poses import CENTRE, DEGREE, ERROR_R, ERROR_T, PER_HALF
 from firstcontact.motion.linkage import Drive, Linkage
 from firstcontact.motion.relative.curved import own_series, terms
-from firstcontact.motion.relative.stretches import windows
+from firstcontact.motion.relative.stretches import LEFT_OUT, TERMS, windows
 
 KINDS = [fc.Rotation((0, 0, 1), degrees=1), fc.Rotation((1, 2, 2), (1, 0, 0), degrees=1),
          fc.Screw((0, 1, 0), (2, 0, 1), degrees=1, advance="1/90")]  # fmt: skip
@@ -44,3 +45,17 @@ def test_poses_are_within_their_errors(name):
                     assert len(powers) == head[DEGREE] + 1
                     error = head[ERROR_R] if e < 9 else head[ERROR_T]
                     assert abs(entry[0] - sum(powers, fmpq(0))) <= arb(float(error))
+
+
+@pytest.mark.parametrize("turns, most", [(fmpq(1, 6), 6), (fmpq(1), 14), (fmpq(60), 400)])
+def test_windows_are_no_more_than_bent_values_ask_for(turns, most):
+    """A joint that made 200 turns along a cubic had 36,000 of them, which took 20 s, eight times as many as needed."""
+    value = (fmpq(0), turns / 3, -turns / 6, turns / 9)
+    motion = Linkage([fmpq(0), fmpq(1)], [Drive("q", "turn", fc.Rotation((0, 0, 1), turns=1), [value])])
+    found = windows(fc.sphere(1).moving(motion), fc.sphere(1), fmpq(0), fmpq(1))
+    assert len(found) <= most
+    for window in found[:: max(1, len(found) // 5)]:
+        middle, half = (exact_value(window.last) + exact_value(window.first)) / 2, (window.last - window.first) / 2
+        with terms(TERMS + 1, 192):
+            cosine = own_series(motion.part(0)[2], arb(middle), fmpq(1))[0][0]
+            assert abs(cosine[TERMS]) * arb(half) ** TERMS < LEFT_OUT

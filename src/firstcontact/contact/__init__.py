@@ -13,6 +13,7 @@ reduce    polyhedra as solids of planes, where these are quicker
 endless   spans without an end
 centred   small bodies far from the origin
 advancing   when heights meet of bodies that advance along the axis about which they turn
+later     what answers tell of the place of contact when it is read
 carried   answers for a question that was put elsewhere
 named     elements of ruled surfaces by name
 """

@@ -39,7 +39,7 @@ class Upright(NamedTuple):
     between: Callable[[fmpq, fmpq], Body]
 
 
-def _axis_of_screw(query: Query) -> Vector | None:
+def axis_of_screw(query: Query) -> Vector | None:
     """Of the first body that is on one; None where none is, or the span has no end."""
     motions = [body.motion for body in query.bodies if isinstance(body, Moving)]
     return next((x.axis for x in motions if isinstance(x, Screw)), None) if query.last is not None else None
@@ -47,7 +47,7 @@ def _axis_of_screw(query: Query) -> Vector | None:
 
 def without_advance(query: Query, upright: Callable[[Body, Vector], Upright | None]) -> Query | Apart | None:
     """The same question about the times, of bodies that keep their heights; None where it is not of that kind."""
-    normal = _axis_of_screw(query)
+    normal = axis_of_screw(query)
     if normal is None:
         return None
     level_a, level_b = _level(query.a, normal), _level(query.b, normal)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from firstcontact.contact.later import waiting
 from firstcontact.result import CandidateTime, ContactSet, FirstContact, Subproblem
 
 if TYPE_CHECKING:
@@ -18,19 +20,22 @@ Carry = Callable[[float], np.ndarray]
 
 
 def carried(found: FirstContact, carry: Carry, a: Body, b: Body) -> FirstContact:
-    """The first contact of a and b, all that it tells of places carried."""
-    changes: dict[str, Any] = {"a": a, "b": b}
-    if found.time is not None:
-        pose = carry(found.time)
-        if found.point is not None:
-            changes["point"] = _placed(pose, found.point)
-        if found.normal is not None:
-            changes["normal"] = pose[:3, :3] @ found.normal
-        if isinstance(found.contact_set, ContactSet):
-            changes["contact_set"] = ContactSet(str(found.contact_set), _placed(pose, found.contact_set.points))
-    if found.subproblems:
-        changes["subproblems"] = tuple(_listed(x, carry) for x in found.subproblems)
-    return replace(found, **changes)
+    """The first contact of a and b, all that it tells of places carried when it is read."""
+    return waiting(found, partial(_places, found, carry), a=a, b=b)
+
+
+def _places(found: FirstContact, carry: Carry) -> dict[str, object]:
+    if found.time is None:
+        return {}
+    pose = carry(found.time)
+    there: dict[str, object] = {"subproblems": tuple(_listed(x, carry) for x in found.subproblems)}
+    if found.point is not None:
+        there["point"] = _placed(pose, found.point)
+    if found.normal is not None:
+        there["normal"] = pose[:3, :3] @ found.normal
+    if isinstance(found.contact_set, ContactSet):
+        there["contact_set"] = ContactSet(str(found.contact_set), _placed(pose, found.contact_set.points))
+    return there
 
 
 def _listed(listed: Subproblem, carry: Carry) -> Subproblem:

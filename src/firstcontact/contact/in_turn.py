@@ -2,19 +2,22 @@
 
 Which of them is quicker is not known beforehand.  So each is asked within a limit that grows from round to round, and
 no answer takes many times what the quicker one takes.  Doubles begin, for they prove most free spans at once; what they
-prove to be in contact is looked at exactly near that time alone, which tells what touches.
+prove to be in contact is looked at exactly near that time alone, which tells what touches: when it is read, where the
+time is known to one rounding.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple, TypeVar
 
 from flint import fmpq
 
-from firstcontact.contact.signs.sheets import FARTHER, FARTHEST, QUICK, Reach
+from firstcontact.contact.signs.sheets import FARTHER, FARTHEST, QUICK, Reach, TooLarge
+from firstcontact.contact.signs.starts import told_later
 from firstcontact.contact.ways import Passed, R, Way, answered, decided, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value
@@ -39,6 +42,40 @@ NEARBY = fmpq(1, 2**30)
 """Part of the span around a time proved in doubles in which it is decided exactly."""
 
 T = TypeVar("T")
+
+
+@dataclass
+class Turns:
+    """What is known of a question's rounds.
+
+    refused  whether elimination does not take it, however far it goes: then doubles go on without a limit.
+    ended    whether doubles went as far as it takes.
+    """
+
+    refused: bool = False
+    ended: bool = False
+
+    def boxes(self, own: Round) -> int | None:
+        """How far doubles go in a round."""
+        boxes = None if self.refused else own.boxes
+        self.ended = boxes is None
+        return boxes
+
+    def asked(self, eliminate: Callable[[], T]) -> T:
+        """What elimination tells."""
+        try:
+            return eliminate()
+        except TooLarge:
+            raise
+        except UnsupportedPair:
+            self.refused = True
+            raise
+
+    def is_cut_short(self, query: Query, proved: FirstContact | ContactIntervals | None) -> bool:
+        """Whether doubles may tell more in a longer search."""
+        return not query.is_algebraic and not self.ended and (proved is None or proved.reason == "budget")
+
+
 InDoubles = Callable[[Query], FirstContact]
 Exactly = Callable[[Query, Reach], FirstContact]
 """Of a question and how far to go; raises TooLarge beyond that."""
@@ -49,21 +86,24 @@ def first_in_turn(
 ) -> FirstContact:
     """The first contact.  is_told: of what doubles prove, whether elimination has nothing to add."""
     ways: list[Way[FirstContact]] = []
+    turns = Turns()
     for own in ROUNDS if query.is_auto else ROUNDS[-1:]:
-        ways += _first_ways(own, in_doubles, exactly, is_told)
+        ways += _first_ways(own, turns, in_doubles, exactly, is_told)
     return answered(ways, query)
 
 
 def _first_ways(
-    own: Round, in_doubles: InDoubles, exactly: Exactly, is_told: Callable[[FirstContact], bool]
+    own: Round, turns: Turns, in_doubles: InDoubles, exactly: Exactly, is_told: Callable[[FirstContact], bool]
 ) -> list[Way[FirstContact]]:
     """Those of one round."""
     found: list[FirstContact] = []
 
     def by_doubles(query: Query, _: FirstContact | None) -> FirstContact | Passed:
-        proved = in_doubles(_limited(query, own.boxes))
+        proved = in_doubles(_limited(query, turns.boxes(own)))
         if query.is_certified or query.is_spent(proved.reason) or is_told(proved):
             return proved
+        if proved.status is Status.CONTACT and _is_timed(proved):
+            return told_later(proved, partial(_told_nearby, replace(query, progress=None), own, exactly, proved))
         found.append(proved)
         return Passed(proved.reason or "it is not told what touches", proved)
 
@@ -72,18 +112,37 @@ def _first_ways(
             return _with_advice(query, partial(exactly, query, own.reach), in_doubles)
         limited = _limited(query, own.steps)
         if proved is None or proved.time_interval is None:
-            return _beside(proved, decided(exactly(limited, own.reach), query))
-        near = exactly(_nearby(limited, proved.time_interval), QUICK)
-        if near.status is not proved.status:
-            return Passed("it denies what doubles proved" if near.reason is None else near.reason)
-        return replace(near, span=query.span)
+            return _beside(proved, decided(turns.asked(partial(exactly, limited, own.reach)), query))
+        return _seen_nearby(limited, exactly, proved)
 
     def is_open(query: Query, proved: FirstContact | None) -> bool:
-        if query.is_certified:
+        if query.is_certified or turns.refused:
             return False
         return proved is None or proved.status is Status.UNDECIDED or any(proved is x for x in found)
 
-    return [Way("in doubles", by_doubles, _is_cut_short), Way("exactly", by_elimination, is_open)]
+    return [Way("in doubles", by_doubles, turns.is_cut_short), Way("exactly", by_elimination, is_open)]
+
+
+def _is_timed(proved: FirstContact) -> bool:
+    """Whether doubles tell a time of contact as closely as doubles can, so that only its place is left to tell."""
+    assert proved.time_interval is not None
+    lo, hi = proved.time_interval
+    return hi <= math.nextafter(lo, math.inf)
+
+
+def _seen_nearby(query: Query, exactly: Exactly, proved: FirstContact) -> FirstContact | Passed:
+    """What elimination tells of a time at which contact is proved."""
+    assert proved.time_interval is not None
+    near = exactly(_nearby(query, proved.time_interval), QUICK)
+    if near.status is not proved.status:
+        return Passed("it denies what doubles proved" if near.reason is None else near.reason)
+    return replace(near, span=query.span)
+
+
+def _told_nearby(query: Query, own: Round, exactly: Exactly, proved: FirstContact) -> FirstContact | None:
+    """The same; None where elimination does not tell."""
+    found = tried(partial(_seen_nearby, _limited(query, own.steps), exactly, proved))
+    return None if isinstance(found, Passed) else found
 
 
 def _with_advice(query: Query, ask: Callable[[], T], in_doubles: InDoubles) -> T:
@@ -96,11 +155,6 @@ def _with_advice(query: Query, ask: Callable[[], T], in_doubles: InDoubles) -> T
         raise UnsupportedPair(told.reason)
     option = "exact=True" if query.exact else f"method={query.method!r}"
     raise UnsupportedPair(f"{told.reason}; without {option} there may be enclosures")
-
-
-def _is_cut_short(query: Query, proved: R | None) -> bool:
-    """Whether doubles may tell more in a longer search."""
-    return not query.is_algebraic and (proved is None or proved.reason == "budget")
 
 
 def _beside(proved: R | None, told: R | Passed) -> R | Passed:
@@ -124,7 +178,7 @@ def intervals_in_turn(
     exactly: Callable[[Query, Work, Reach], ContactIntervals],
 ) -> ContactIntervals:  # fmt: skip
     """All contacts.  first: the first one in doubles, which tells of free spans without more."""
-    shared = query.work()
+    shared, turns = query.work(), Turns()
 
     def work(budget: int | None) -> Work:
         return shared if query.budget is not None else _limited(query, budget).work()
@@ -136,10 +190,10 @@ def intervals_in_turn(
         return ContactIntervals((), Status.FREE, query.span[1], None, proved.stats, **query.shared)
 
     def by_doubles(own: Round, query: Query, _: ContactIntervals | None) -> ContactIntervals | Passed:
-        return decided(in_doubles(query, work(own.boxes)), query)
+        return decided(in_doubles(query, work(turns.boxes(own))), query)
 
     def by_elimination(own: Round, query: Query, proved: ContactIntervals | None) -> ContactIntervals | Passed:
-        ask = partial(exactly, query, work(own.steps), own.reach)
+        ask = partial(turns.asked, partial(exactly, query, work(own.steps), own.reach))
         return _beside(proved, decided(_with_advice(query, ask, first), query))
 
     ways: list[Way[ContactIntervals]] = []
@@ -147,7 +201,7 @@ def intervals_in_turn(
         ways.append(Way("in doubles, if free", if_free))
     for own in ROUNDS if query.is_auto else ROUNDS[-1:]:
         if not query.is_algebraic and own is not ROUNDS[0]:
-            ways.append(Way("in doubles", partial(by_doubles, own), _is_cut_short))
+            ways.append(Way("in doubles", partial(by_doubles, own), turns.is_cut_short))
         if not query.is_certified:
-            ways.append(Way("exactly", partial(by_elimination, own)))
+            ways.append(Way("exactly", partial(by_elimination, own), lambda *_: not turns.refused))
     return answered(ways, query)

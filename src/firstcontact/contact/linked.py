@@ -16,6 +16,7 @@ from flint import fmpq
 
 from firstcontact.body.kept import Kept
 from firstcontact.contact.carried import carried
+from firstcontact.contact.later import LATER
 from firstcontact.motion.linkage import Linkage, apart
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.reach import places
@@ -109,16 +110,14 @@ def _timed(stats: Stats, query: Query) -> Stats:
     return replace(stats, seconds=query.stats().seconds)
 
 
-_TOLD = "status", "time", "time_interval", "time_exact", "initial", "free_until", "reason", "keeps_bodies"
-_PLACES = "point", "normal", "element_a", "element_b", "others", "multiplicity", "contact_set", "subproblems"
-"""Fields that may wait until they are asked for."""
+_TOLD = "status", "time", "time_interval", "time_exact", "free_until", "reason", "keeps_bodies"
 
 
 def _told(found: FirstContact, query: Query, shared: Linkage | None, stats: Stats) -> FirstContact:
     """The answer as to the query itself, with the joints' values; of places it is as slow to tell as the answer."""
     def places() -> dict[str, object]:
         there = found if shared is None else carried(found, shared, query.a, query.b)
-        return {key: getattr(there, key) for key in _PLACES}
+        return {key: getattr(there, key) for key in LATER}
 
     joints: dict[str, JointValue] = {}
     if (time := found.time) is not None:

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.later import waiting
 from firstcontact.contact.mesh_model.planar_solid import planar
 from firstcontact.contact.models.answer import element as named
 from firstcontact.contact.polyhedra import first as polyhedra
@@ -20,10 +21,6 @@ from firstcontact.work import Query
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
-
-LATER = "point", "normal", "element_a", "element_b", "others", "multiplicity", "contact_set"
-"""What a contact tells of its place, worked out when it is asked for."""
-
 
 def are_taken(a: Body, b: Body) -> bool:
     """Whether one of two bodies is a mesh, bare edges and points apart, and the other one a solid of planes."""
@@ -66,15 +63,13 @@ def as_polyhedron(body: Body) -> Body:
 
 def in_own_elements(found: FirstContact, a: Body, b: Body) -> FirstContact:
     """The answer about both as polyhedra as one about the bodies themselves; its place waits until it is asked for."""
-    known = {x: getattr(found, x) for x in FirstContact.__dataclass_fields__ if x not in LATER}
-    return FirstContact.deferring({**known, "a": a, "b": b}, partial(_place, found, a, b))
+    return waiting(found, partial(_place, found, a, b), a=a, b=b)
 
 
 def _place(found: FirstContact, a: Body, b: Body) -> dict[str, object]:
-    """The fields of LATER; each pair of elements once, of which the polyhedron may have several."""
-    known: dict[str, Any] = {x: getattr(found, x) for x in LATER}
+    """Each pair of elements once, of which the polyhedron may have several."""
     if found.element_a is None or found.element_b is None:
-        return known
+        return {}
 
     def own(element: Element, body: Body, which: str) -> Element:
         solid = None if isinstance(shape_of(body), Polyhedron) else planar(shape_of(body))
@@ -82,8 +77,10 @@ def _place(found: FirstContact, a: Body, b: Body) -> dict[str, object]:
 
     pairs = [ElementPair(found.element_a, found.element_b), *found.others]
     lowest, *rest = dict.fromkeys(ElementPair(own(x.element_a, a, "a"), own(x.element_b, b, "b")) for x in pairs)
-    known |= {"element_a": lowest.element_a, "element_b": lowest.element_b, "others": tuple(rest)}
-    known["multiplicity"] = found.multiplicity - (len(pairs) - 1 - len(rest))
+    known: dict[str, object] = {
+        "element_a": lowest.element_a, "element_b": lowest.element_b, "others": tuple(rest),
+        "multiplicity": found.multiplicity - (len(pairs) - 1 - len(rest)),
+    }  # fmt: skip
     if found.contact_set is not None and found.point is not None:
         known["contact_set"] = ContactSet("point", found.point[None])
     return known

@@ -35,17 +35,19 @@ from firstcontact.contact.models.answer import contact_of
 from firstcontact.contact.models.at_rest import overlap
 from firstcontact.contact.models.certified import Directions, bounded, may_share_more, on_model
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
+from firstcontact.contact.models.last_instant import is_kept, near_pose
 from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.contact.models.touched import ACROSS
 from firstcontact.contact.ways import Passed, Way, answered, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import above, exact_value, fraction
+from firstcontact.exact.rigid import IDENTITY
 from firstcontact.kernels.convex.mesh_walk import VISITS
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rational import RationalMotion
-from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.motion.relative.stretches import Untold, Window, windows
+from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
 from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Touch, first_of_each
@@ -79,6 +81,13 @@ def first(query: Query) -> FirstContact:
 def first_in_doubles(query: Query) -> FirstContact:
     """As `first`, UNDECIDED where exact arithmetic would be asked."""
     return _Answer(query, in_doubles=True).answer()
+
+
+def lands(query: Query) -> bool:
+    """Whether bodies that are free up to the last instant are proved to touch then, whatever their poses."""
+    answer = _Answer(query)
+    answer.answer()
+    return answer.lands
 
 
 def windows_of(a: Body, b: Body, first: fmpq, last: fmpq) -> list[Window]:
@@ -120,6 +129,8 @@ class _Answer:
         self.windows = windows_of(self.a, self.b, self.first, self.last)
         self.search = search_of(self.mesh, self.model, self.mesh_is_a, query.budget, query.progress)
         self.width = query.tolerance * (self.windows[-1].last - self.windows[0].first)
+        self.lands = False
+        """Whether the answer is a contact of the last instant alone."""
 
     def answer(self) -> FirstContact:
         for k, window in enumerate(self.windows):
@@ -351,18 +362,22 @@ class _Answer:
         return self._contact(replace(swept, free_until=touch.lo))
 
     def _landed(self, window: Window, swept: Swept) -> FirstContact | None:
-        """CONTACT where all is free up to the last instant, and a triangle touches in the rational poses of then."""
-        a, b = (_standing(x, self.last) for x in (self.a, self.b))
-        if window is not self.windows[-1] or self.span[1] - swept.free_until > self.width or a is None or b is None:
+        """CONTACT where all is free up to the last instant, and a triangle is proved to touch in the poses of then."""
+        if window is not self.windows[-1] or self.span[1] - swept.free_until > self.width:
             return None
+        standing = [_standing(x, self.last) for x in (self.a, self.b)]
+        motions = [x[1] for x in standing if x is not None and x[1] is not None]
+        if standing[0] is None or standing[1] is None or len(motions) > 1:
+            return None
+        a, b = standing[0][0], standing[1][0]
         for group in self._groups(swept.open):
             thin: Any = self._patch(group, window)
             for piece in relative_pieces(a, b, fmpq(0), fmpq(0)):
                 pair = MovingPair(thin, self.model, piece) if self.mesh_is_a else MovingPair(self.model, thin, piece)
                 search = CandidateSearch(pair, self.work)
-                if meetings := search.at_start():
+                if meetings := [m for m in search.at_start() if all(is_kept(pair, m, motion) for motion in motions)]:
                     seen = contact_of(search, meetings, False, {**self.shared, "a": a, "b": b})
-                    until = swept.free_until
+                    until, self.lands = swept.free_until, True
                     seen = replace(
                         seen, time=self.span[1], time_interval=(until, above(self.last)), free_until=until,
                         stats=self._stats(), **self.shared,
@@ -495,14 +510,17 @@ class _Answer:
         return any(not overlap(MovingPair(*pair, piece), piece.u_lo) for pair in pairs)
 
 
-def _standing(body: Body, t: fmpq) -> Moving | None:
-    """The body under a motion that keeps it in its pose at time t; None where that is not rational."""
-    there = placement_at(body, t)
-    if not there.is_exact:
+def _standing(body: Body, t: fmpq) -> tuple[Moving, Rotation | Screw | None] | None:
+    """(the body under a motion that keeps it in its pose at time t, None), or in one nearby, with its motion.
+
+    None where neither is rational.
+    """
+    near = near_pose(body, t)
+    if near is None:
         return None
-    pose = [[fraction(x) for x in row] for row in there.matrix()]
-    standing: Moving = shape_of(body).moving(RationalMotion([[*pose, [0, 0, 0, 1]]]))
-    return standing
+    pose, motion = near
+    standing: Moving = shape_of(body).moving(RationalMotion([[*(IDENTITY if pose is None else pose), (0, 0, 0, 1)]]))
+    return standing, motion
 
 
 def _is_screw(body: Body) -> bool:

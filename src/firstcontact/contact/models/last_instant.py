@@ -20,7 +20,7 @@ from firstcontact.contact.models.moving_pair import Form, MovingPair
 from firstcontact.exact.fields.number_field import ball
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.polynomials.inertia import dot, value
-from firstcontact.exact.rigid import rational_sqrt
+from firstcontact.exact.rigid import Matrix, compose, near_rotation, rational_sqrt, shift
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.motion.relative.polynomial import relative_pieces
@@ -28,7 +28,7 @@ from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Model
+    from firstcontact.body.kinds import Body, Model
 
 CLEAR = 2.0**-40
 """Part of the size of its terms beyond which a form keeps its sign while the body turns by 2^-58 radians."""
@@ -46,37 +46,48 @@ def landing(a: Model, b: Model, t: fmpq) -> tuple[CandidateSearch, list[Meeting]
     motion = motions[0] if motions else None
     for piece in relative_pieces(*bodies, fmpq(0), fmpq(0)):
         search = CandidateSearch(MovingPair(shape_of(bodies[0]), shape_of(bodies[1]), piece))
-        meetings = [m for m in search.at_start() if motion is None or _is_kept(search.pair, m, motion)]
+        meetings = [m for m in search.at_start() if motion is None or is_kept(search.pair, m, motion)]
         return (search, meetings) if meetings else None
     return None
 
 
 def _placed(body: Model, t: fmpq) -> tuple[CompositeQuadric, Rotation | Screw | None] | None:
-    """(the body at rest where it stands at t, None), or where it nearly does, with the motion that takes it there.
+    """(the body at rest where it stands at t, None), or where it nearly does, with the motion that takes it there."""
+    near = near_pose(body, t)
+    if near is None:
+        return None
+    pose, motion = near
+    model: CompositeQuadric = shape_of(body)
+    return model if pose is None else model.transformed([*pose, (0, 0, 0, 1)]), motion
 
-    None where neither pose is rational.
+
+def near_pose(body: Body, t: fmpq) -> tuple[Matrix | None, Rotation | Screw | None] | None:
+    """(the rational pose in which it stands at t, None), or one nearby, with the motion that takes it there.
+
+    The pose of a body at rest is None.  None where neither pose is rational.
     """
     if not isinstance(body, Moving):
-        return body, None
-    model, motion, there = body.body, body.motion, placement_at(body, t)
+        return None, None
+    motion, there = body.motion, placement_at(body, t)
     if there.is_exact:
-        return there.place(model), None
+        return there.matrix(), None
     if not isinstance(motion, Rotation | Screw):
         return None
     turns = motion.angle * t
     if motion.unit == "radians":
         with precision(BITS):
             turns = dyadic((angle_ball(turns, "radians") / (2 * arb.pi())).mid())
-    placed = model.rotated(motion.axis, degrees=360 * turns, point=motion.point)
+    pose = near_rotation(motion.axis, motion.point, turns)
     if isinstance(motion, Rotation) or motion.advance == 0:
-        return placed, motion
+        return pose, motion
     length = rational_sqrt(dot(motion.axis, motion.axis))
     if length is None:
         return None
-    return placed.translated([motion.advance * t * x / length for x in motion.axis]), motion
+    x, y, z = (motion.advance * t * c / length for c in motion.axis)
+    return compose(shift((x, y, z)), pose), motion
 
 
-def _is_kept(pair: MovingPair, meeting: Meeting, motion: Rotation | Screw) -> bool:
+def is_kept(pair: MovingPair, meeting: Meeting, motion: Rotation | Screw) -> bool:
     """Whether the point, fixed in one of the bodies, stays in the other while the true turn is made up for."""
     u = meeting.candidate.root.enclosure(BITS)
     with precision(BITS):

@@ -269,11 +269,11 @@ class _Slab:
                 elif least[k]:
                     given_up.append((middle[k], half[k]))
             rest = size >= LEAST
-            closer = self._closer(middle[rest], half[rest]) if rest.any() and not pending else None
-            if closer is not None:
-                closer.search(found)
-            elif rest.any():
+            hull = self._one_place(middle[rest], half[rest]) if rest.any() and not pending else None
+            if hull is None and rest.any():
                 pending.append(_halves(middle[rest], half[rest], steep[rest]))
+            elif hull is not None and not self._settled(*hull, owned):
+                self._closer(*hull).search(found)
         found.boxes += looked
         for zero in owned:
             if not any(zero.is_same(other) for other in found.zeros):
@@ -281,13 +281,18 @@ class _Slab:
         for lo, hi in _stretches([(m[3] - h[3], m[3] + h[3]) for m, h in given_up], LEAST):
             found.open.append((self._u(lo), self._u(hi)))
 
-    def _closer(self, middle: np.ndarray, half: np.ndarray) -> _Slab | None:
-        """The search of the box around those that are left, where they are at one place but at many u: there equations
-        have the digits that tell u, however short the motion."""
-        lo, hi = (middle - half).min(axis=0).tolist(), (middle + half).max(axis=0).tolist()
-        if self.depth == DEEPEST or max(y - x for x, y in zip(lo[:3], hi[:3], strict=True)) > CLOSE * (hi[3] - lo[3]):
+    def _one_place(self, middle: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """The box (middle, half) around those that are left, where they are at one place but at many u."""
+        lo, hi = (middle - half).min(axis=0), (middle + half).max(axis=0)
+        size = hi - lo
+        if self.depth == DEEPEST or size[:3].max() > CLOSE * size[3]:
             return None
-        f = self.frame
+        return 0.5 * (lo + hi), 0.5 * size * (1 + 1e-9) + EPSILON
+
+    def _closer(self, middle: np.ndarray, half: np.ndarray) -> _Slab:
+        """The search of a box in a frame of its own: there equations have the digits that tell u, however short the
+        motion."""
+        f, (lo, hi) = self.frame, ((middle - half).tolist(), (middle + half).tolist())
         first, last = (
             tuple(o + f.scale * fmpq(*c.as_integer_ratio()) for o, c in zip(f.origin, corner[:3], strict=True))
             for corner in (lo, hi)

@@ -18,6 +18,7 @@ from firstcontact.contact.ruled import certified, posed
 from firstcontact.contact.ruled.crossing import across, named_as_before
 from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, parts_of
 from firstcontact.contact.ruled_solid import certified as by_search
+from firstcontact.contact.ruled_solid.level_pieces import first_of_level, intervals_of_level
 from firstcontact.contact.signs import exactly
 from firstcontact.contact.signs.conditions import conditions
 from firstcontact.contact.signs.exactly import PiecePair, span_of
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import RuledBody
 
 
+@intervals_of_level
 def intervals(query: Query) -> ContactIntervals:
     """All closed times at which the bodies share a point; in doubles, with proofs, where elimination goes too far.
 
@@ -48,6 +50,7 @@ def intervals(query: Query) -> ContactIntervals:
     return intervals_in_turn(query, _in_doubles, _all_in_doubles, _all_exactly)
 
 
+@first_of_level
 def first(query: Query) -> FirstContact:
     """The first shared point."""
     return with_start(query, _first_contact)
@@ -87,13 +90,10 @@ def _is_with_convex(query: Query) -> bool:
 
 
 def _is_told(proved: FirstContact) -> bool:
-    """Whether exact arithmetic has nothing to add: the bodies are free, one holds the other or one point touches.
-
-    Of those in contact at the start doubles know a place, not a point that both have.
-    """
+    """Whether exact arithmetic has nothing to add but to a start: the bodies are free, or one point touches."""
     if proved.status is Status.CONTACT:
         return proved.contact_set is not None
-    return proved.status is Status.FREE or proved.initial == "containment"
+    return proved.status is not Status.UNDECIDED
 
 
 # -- in exact arithmetic --------------------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from firstcontact.contact.models.answer import element as element_of_solid
 from firstcontact.contact.named import element
 from firstcontact.contact.ruled.triangles import near_pairs, parts_of
 from firstcontact.contact.ruled_solid import certified
+from firstcontact.contact.ruled_solid.level_pieces import first_of_level, intervals_of_level
 from firstcontact.contact.ruled_solid.solid_conditions import SolidConditions
 from firstcontact.contact.ruled_solid.solid_times import solid_times
 from firstcontact.contact.ruled_solid.solid_touches import lies, solid_touch
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from firstcontact.contact.signs.conditions import SignConditions
 
 
+@first_of_level
 def first(query: Query) -> FirstContact:
     """The first shared point; in doubles, and exactly what they leave open or do not take, as the method allows."""
     return with_start(query, _first_contact)
@@ -56,12 +58,10 @@ def _exactly(query: Query, reach: Reach) -> FirstContact:
 
 
 def _is_told(proved: FirstContact) -> bool:
-    """Whether exact arithmetic has nothing to add to what was proved about a surface and a solid."""
-    if proved.status is Status.INITIAL_CONTACT:
-        return proved.initial is not None
+    """Whether exact arithmetic has nothing to add to what was proved about a surface and a solid, but to a start."""
     if proved.status is Status.CONTACT:
         return proved.element_a is not None
-    return proved.status is Status.FREE
+    return proved.status is not Status.UNDECIDED
 
 
 def _solid_last(query: Query) -> tuple[Query, bool]:
@@ -71,6 +71,7 @@ def _solid_last(query: Query) -> tuple[Query, bool]:
     return replace(query, a=cut_to(ruled, solid, query.span), b=solid), is_turned
 
 
+@intervals_of_level
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact."""
     def decide(query: Query, work: Work, reach: Reach) -> ContactIntervals:

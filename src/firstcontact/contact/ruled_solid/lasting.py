@@ -226,9 +226,19 @@ class RuledLasting(Lasting[np.ndarray]):
         near = np.argsort(np.abs(values[:, 4]))[:3]
         rows = slopes[near] / np.maximum(np.linalg.norm(slopes[near], axis=1, keepdims=True), 1e-300)
         signs = SIGNS[:, : len(near)]
-        mixed = np.concatenate([signs @ rows, signs @ np.linalg.pinv(slopes[near], rcond=1e-9).T])
+        mixed = np.concatenate([signs @ rows, signs @ _inverse_of(slopes[near])])
         mixed = mixed / np.maximum(np.linalg.norm(mixed, axis=1, keepdims=True), 1e-300)
         return np.concatenate([AROUND, mixed])
+
+
+def _inverse_of(slopes: np.ndarray) -> np.ndarray:
+    """(n, 2) transpose of the pseudo-inverse of n slopes (n, 2)."""
+    (p, q), (_, r) = (slopes.T @ slopes).tolist()
+    det = p * r - q * q
+    if det > 1e-9 * (p + r) ** 2:  # in a tenth of the time
+        found: np.ndarray = slopes @ (np.array([[r, -q], [-q, p]]) / det)
+        return found
+    return np.linalg.pinv(slopes, rcond=1e-9).T
 
 
 def _doubles(sheet: ChartSheet) -> np.ndarray:

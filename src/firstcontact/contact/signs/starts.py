@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
+from firstcontact.contact.later import LATER, waiting
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import UnsupportedPair
-from firstcontact.motion.moving import shape_of
+from firstcontact.exact.numbers import fraction
+from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.result import FirstContact, Status
 from firstcontact.work import Query
@@ -26,22 +28,47 @@ if TYPE_CHECKING:
 def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstContact:
     """What `answer` says of the query, and where it leaves the start open, of the bodies at rest in their poses then.
 
-    UNDECIDED remains where they are apart: nothing is proved of the times after the start.
+    Exact arithmetic is asked of those first: two bodies at rest take it little beside a motion, whose times of contact
+    it would have to tell all.  UNDECIDED remains where they are apart: nothing is proved of the times after the start.
     """
+    moves = query.end > query.first or any(isinstance(body, Moving) for body in query.bodies)
+    if query.is_algebraic and query.budget is None and moves:
+        told = _of_start(query, answer)
+        return answer(query) if told is None else told
     found = answer(query)
-    if query.method != "auto" or query.budget is not None or not _is_open(found):
+    if not query.is_auto:
         return found
+    if found.status is Status.INITIAL_CONTACT and _is_untold(found):
+        return told_later(found, lambda: _of_start(replace(query, progress=None), answer))
+    told = _of_start(query, answer) if query.budget is None and _is_open(found) else None
+    return found if told is None else replace(told, stats=found.stats + told.stats)
+
+
+def told_later(found: FirstContact, ask: Callable[[], FirstContact | None]) -> FirstContact:
+    """A contact: what touches, and how where that is not known, is what `ask` tells when it is read; as found where it
+    has None."""
+    def places() -> dict[str, object]:
+        told = ask()
+        return {} if told is None else {name: getattr(told, name) for name in LATER}
+
+    return waiting(found, places, **({} if found.initial is None else {"initial": found.initial}))
+
+
+def _of_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstContact | None:
+    """What is told of the bodies at rest, as to the query; None where they are not proved to share a point."""
     told = tried(lambda: answer(_at_rest(query)))
     if isinstance(told, Passed) or told.status is not Status.INITIAL_CONTACT:
-        return found
-    initial, stats = told.initial or found.initial, found.stats + told.stats
-    return replace(told, initial=initial, a=query.a, b=query.b, span=query.span, stats=stats)
+        return None
+    return replace(told, time_exact=fraction(query.first) if query.exact else None, **query.shared)
+
+
+def _is_untold(found: FirstContact) -> bool:
+    """Whether something is left to tell of a start in contact: doubles know a place, not a point that both have."""
+    return found.initial != "containment"
 
 
 def _is_open(found: FirstContact) -> bool:
-    """Whether something is left to tell of the start."""
-    if found.status is Status.INITIAL_CONTACT:
-        return found.initial is None or (found.initial != "containment" and found.point is None)
+    """Whether it is not told that the bodies are apart at the start, and doubles will not tell it."""
     if found.status is not Status.UNDECIDED or found.free_until is None:
         return False
     return found.reason == "precision" and found.free_until <= found.span[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -44,13 +45,10 @@ U = 2.0**-53
 BITS = 192
 # Largest half angle (radians) of one stretch: `sine_cosine` reduces arguments below 2^10.
 MOST_RADIANS = 1000.0
-# A product of motions turns a sixth of a turn in one window, an eighth of that where the values of joints bend, and is
-# a polynomial of TERMS coefficients there.  What is left out is enclosed.  It is below 2^-79 of the sizes, and so are
-# its first derivatives but for powers of TERMS: far below the roundings of coefficients, which the kernels allow for.
-# For with x_k the coefficients of the angle in s, those of exp(i angle) at s^20 are the sum of all
-# x_1^a x_2^b x_3^c / (a! b! c!) with a + 2 b + 3 c = 20: 0.53^20 / 20! where the angle is linear; else |x_1|,
-# |x_2|^(1/2) and |x_3|^(1/3) are below 0.07.
-TURNS, BENDING, TERMS = fmpq(1, 6), 8, 20
+# A product of motions turns a sixth of a turn in one window, less where the values of joints bend there, and is a
+# polynomial of TERMS coefficients.  What is left out is enclosed.  It is below LEFT_OUT of the sizes, and so are its
+# first derivatives but for powers of TERMS: far below the roundings of coefficients, which the kernels allow for.
+TURNS, TERMS, LEFT_OUT = fmpq(1, 6), 20, 2.0**-79
 
 
 class Untold(Exception):
@@ -96,9 +94,24 @@ def _inner_cuts(step: Step) -> list[fmpq]:
     """Where a product of motions is cut."""
     if not isinstance(step.motion, Product):
         return []
-    bends = any(len(f.value) > 2 for f in step.motion.factors)
-    count = max(1, int((step.motion.turns / TURNS).ceil())) * (BENDING if bends else 1)
+    turns, degree = step.motion.turns, max(len(f.value) for f in step.motion.factors) - 1
+    count = max(1, int((turns / TURNS).ceil()))
+    while degree > 1 and _left_out(2.0 * math.pi * to_double(turns), degree, count) > LEFT_OUT:
+        count += 1 + count // 16
     return [step.start + step.unit * k / count for k in range(1, count)]
+
+
+def _left_out(angle: float, degree: int, count: int) -> float:
+    """A bound of the coefficient of s^TERMS in exp(i angle(s)), |s| <= 1 over one of `count` equal windows.
+
+    angle: that of the way of the values, polynomials p of that degree in a time from 0 to 1.  For their p^(k) / k! are
+    at most 1 / k of the binomial (degree - 1, k - 1) times it, and exp(x_1 s + ...) has n e_n = sum k x_k e_(n-k).
+    """
+    x = [angle * math.comb(degree - 1, k - 1) / k * (0.5 / count) ** k for k in range(1, degree + 1)]
+    e = [1.0]
+    for n in range(1, TERMS + 1):
+        e.append(sum(k * c * e[n - k] for k, c in enumerate(x[:n], 1)) / n)
+    return e[TERMS]
 
 
 @lru_cache(maxsize=128)

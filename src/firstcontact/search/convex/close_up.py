@@ -73,6 +73,8 @@ class CloseUp:
         start = None if guess is None else system.solve(guess, STATIC)
         if start is None:
             return None
+        if limit - t <= width and self._touch(limit, [start]):  # all that is left is the last instant
+            return None
         self.proofs = 0
         span = self.motion.end - self.motion.start
         extremum = system.solve(start, LEAST)
@@ -148,15 +150,29 @@ class CloseUp:
             return None
         return Passage(found, graze)
 
+    def _state_at(self, t: fmpq, hints: list[State]) -> State | None:
+        near = min(hints, key=lambda h: abs(h.time - t))
+        return self.separation.solve(State(t, near.x, near.s, near.weights), STATIC)
+
     def _common(self, t: fmpq, hints: list[State]) -> State | None:
         """The state at t, with x in both pieces."""
-        near = min(hints, key=lambda h: abs(h.time - t))
-        state = self.separation.solve(State(t, near.x, near.s, near.weights), STATIC)
+        state = self._state_at(t, hints)
         return state if state is not None and self.separation.shares(t, state.x) else None
+
+    def _touch(self, t: fmpq, hints: list[State]) -> bool:
+        """Whether s counts as zero at t, so that neither contact nor none is proved there."""
+        state = self._state_at(t, hints)
+        return state is not None and abs(state.s) <= SURE * exact_value(self.separation.size)
 
     def _holds(self, lo: fmpq, hi: fmpq, contact: bool, hints: list[State]) -> bool:
         """Whether contact, or none, is proved over [lo, hi]: in halves, where it is not at once."""
-        pending = [(lo, hi)]
+        self.proofs += 1
+        if self._holds_at_once(lo, hi, contact, hints):
+            return True
+        if self._touch(lo, hints) or self._touch(hi, hints):
+            return False
+        middle = (lo + hi) / 2
+        pending = [(middle, hi), (lo, middle)]
         while pending:
             lo, hi = pending.pop()
             self.proofs += 1
