@@ -268,3 +268,14 @@ def test_sectors_hold_what_their_angles_and_distances_say(seed):
         for p in points[some][:4].tolist():
             ball = fc.sphere("1/10").translated(p).moving(fc.Translation((0, 0, 0)))
             assert (fc.first_contact(ball, body).status is fc.Status.INITIAL_CONTACT) == touched
+
+
+def test_what_seats_on_a_round_along_a_circle_is_told_by_triangles():
+    """The rim of a hole of radius 2.6 comes to a round, a tube of radius 1 about radius 2 and z = 4, at z = 4.8."""
+    holed = shapes.cut(shapes.box((10, 10, 1), (-5, -5, 0)), shapes.cylinder(2.6, 2, (0, 0, -0.5)))
+    seat, shaft = fc.from_shape(holed, name="seat"), fc.from_shape(pin(), name="shaft")
+    moving = seat.translated((0, 0, 6)).moving(fc.Translation((0, 0, -2)))
+    found = fc.first_contact(moving, shaft, tolerance=1e-6)
+    assert found.status is fc.Status.CONTACT and [x.way for x in found.stats.ways][0] == "by pieces"
+    assert 1e-6 < found.model_deviation < 2e-3
+    assert abs(6 - 2 * found.time - 4.8) < 2 * found.model_deviation and found.free_until <= found.time

@@ -272,10 +272,17 @@ def both_taken_in(a: Body, b: Body, *, cut: bool = False) -> tuple[Body, Body] |
     return (a if inner[0] is None else inner[0]), (b if inner[1] is None else inner[1])
 
 
-def _taken_in(body: Body, cut: bool) -> Body | None:
+def as_triangles(body: Body) -> Body:
+    """A body, at rest or moving, with triangles for the curved surfaces of a file's; itself where it has none."""
     shape = shape_of(body)
-    if isinstance(shape, Compound) and cut:
-        shape = shape.as_triangles()
+    cut = shape.as_triangles() if isinstance(shape, Compound) else shape
+    if cut is shape:
+        return body
+    return cut.moving(body.motion) if isinstance(body, Moving) else cut
+
+
+def _taken_in(body: Body, cut: bool) -> Body | None:
+    shape = shape_of(as_triangles(body) if cut else body)
     inner = shape.taken_in() if isinstance(shape, Compound) else None
     return inner.moving(body.motion) if isinstance(body, Moving) and inner is not None else inner
 

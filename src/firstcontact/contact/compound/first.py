@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
-from firstcontact.body.compound.compound import both_taken_in, deviation_of
+from firstcontact.body.compound.compound import as_triangles, both_taken_in, deviation_of
 from firstcontact.contact.compound.answer import PieceAnswer, combined, joined
 from firstcontact.contact.compound.windows import PairWindow, side_of, windows
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, above, below, exact_value
 from firstcontact.motion.moving import shape_of
-from firstcontact.result import ContactIntervals, FirstContact, Status
+from firstcontact.result import Asked, ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
@@ -60,7 +60,26 @@ def first(query: Query) -> FirstContact:
                 enough = exact_value(found.time_interval[1]) - room
         if query.progress is not None and k + 1 < len(asked):
             query.progress(min(below(asked[k + 1].first), query.span[1] if end is None else above(end)), k + 1)
-    return combined(query, sides, told, lambda: _is_within_deviation(query))
+    found = combined(query, sides, told, lambda: _is_within_deviation(query))
+    return found if found.status is not Status.UNDECIDED else _by_triangles(query, found)
+
+
+def _by_triangles(query: Query, found: FirstContact) -> FirstContact:
+    """What is left open of bodies with the surfaces of files, as where they touch along all of a circle: the contact of
+    their triangles, which tells by how much these deviate.  No more than that: what triangles miss may touch.
+    """
+    from firstcontact.contact import table
+
+    a, b = map(as_triangles, query.bodies)
+    if not query.is_auto or found.reason != "precision" or (a is query.a and b is query.b):
+        return found
+    other = table.first_contact(replace(query, a=a, b=b))
+    if other.status is not Status.CONTACT:
+        return found
+    asked = Asked("by pieces", "passed: precision", found.stats.seconds), *other.stats.ways
+    stats = replace(found.stats + other.stats, ways=asked)
+    until = min(x.free_until for x in (found, other) if x.free_until is not None)
+    return replace(other, a=query.a, b=query.b, free_until=until, stats=stats)
 
 
 def _is_within_deviation(query: Query) -> bool | None:
