@@ -37,8 +37,9 @@ if TYPE_CHECKING:
 
 Question = Callable[[], object]
 
-# An oblique axis: kernels for axes along z alone would leave the general ones uncompiled.
-SHIFT, SWING = Translation((0, 0, -2)), Rotation((1, 2, 0), (3, 0, 0), degrees=200)
+# An oblique axis: kernels for axes along z alone would leave the general ones uncompiled.  The turn brings bodies near
+# each other, else balls around them tell that they never meet.
+SHIFT, SWING = Translation((0, 0, -2)), Rotation((1, 2, 0), (1, 0, 1), degrees=200)
 SCREW = Screw((0.1, 1, 2), (0.3, -0.2, 0.1), degrees=40, advance=-3)
 MOTIONS: dict[str, AnyMotion] = {
     "screw": SCREW,

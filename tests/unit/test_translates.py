@@ -9,6 +9,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.body.solid.carriers import AlgebraicPoint, EnclosedPoint, Point, QuarticCurve
+from firstcontact.contact.reduce import as_model
 
 
 def saddle_cut():
@@ -96,6 +97,14 @@ def test_what_came_from_far_away_is_worked_out_anew_and_a_new_name_too():
     assert back._of_origin() is None
     assert [v.position for v in back.vertices] == [v.position for v in near.vertices]
     assert back.vertices[0].name != near.vertices[0].name
+
+
+def test_models_of_polyhedra_keep_their_numbers_to_themselves():
+    """A translate of one has numbers of its own: with those of the polyhedron, bodies that are apart met at once."""
+    model = as_model(fc.examples.box((1, 2, 3)))
+    assert max(edge.index for edge in model.edges) > 11  # diagonals count
+    assert model.translated((1, 0, 0)).translate_of is None
+    assert [edge.index for edge in model.translated((1, 0, 0)).edges] == list(range(12))
 
 
 def test_turned_and_scaled_copies_are_no_translates():

@@ -346,7 +346,7 @@ class CompositeQuadric(Placing):
 
     def _origin_of(self, matrix: Matrix) -> tuple[CompositeQuadric, Vector] | None:
         """As `translate_of` of the image under a map."""
-        if not is_shift(matrix):
+        if not is_shift(matrix) or self.source is not None:  # those of a polyhedron have its numbers
             return None
         origin, before = self.translate_of or (self, (ZERO, ZERO, ZERO))
         x, y, z = (x + row[3] for x, row in zip(before, matrix, strict=True))

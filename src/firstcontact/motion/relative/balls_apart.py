@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 # Of the sizes met: far more than some dozen roundings.
 _SLACK = 1e-12
+# Below it products of lengths leave the range of doubles.
+_LOST = 2.0**-450
 # Radians up to which a path is told by its ends and its bend.
 _SHORT = 2.0
 
@@ -42,7 +44,7 @@ class Ball(NamedTuple):
     @classmethod
     def of(cls, lo: np.ndarray, hi: np.ndarray) -> Ball:
         """That holds the box between two corners (3,)."""
-        return cls(tuple((0.5 * (lo + hi)).tolist()), 0.5 * float(np.linalg.norm(hi - lo)) * (1.0 + 1e-14))
+        return cls(tuple((0.5 * (lo + hi)).tolist()), 0.5 * math.hypot(*(hi - lo).tolist()) * (1.0 + 1e-14))
 
 
 def are_apart(piece: CurvedPiece, a: Ball, b: Ball) -> bool:
@@ -63,13 +65,16 @@ def turn_apart(axis: Vector, point: Vector, angle: tuple[fmpq, fmpq], a: Ball, b
     (p0, p1, p2), (u0, u1, u2) = p, u
     (x, y, z), (r, s, t) = ((c[0] - p0, c[1] - p1, c[2] - p2) for c in (a.centre, b.centre))
     size = max(map(abs, (x, y, z, r, s, t, p0, p1, p2)))
-    enough = (a.radius + b.radius) * (1.0 + _SLACK) + _SLACK * size
+    enough = (a.radius + b.radius) * (1.0 + _SLACK) + _SLACK * size + _LOST
     up_a, up_b = x * u0 + y * u1 + z * u2, r * u0 + s * u1 + t * u2
     x, y, z, r, s, t = x - up_a * u0, y - up_a * u1, z - up_a * u2, r - up_b * u0, s - up_b * u1, t - up_b * u2
     out_a, out_b = math.hypot(x, y, z), math.hypot(r, s, t)
     if math.hypot(up_a - up_b, out_a - out_b) > enough:
         return True
     turned = to_double(angle[0]) + 2.0 * math.pi * to_double(angle[1])
+    if not (out_a > 0.0 and out_b > 0.0):
+        return False  # then the nearest place is at all angles
+    x, y, z, r, s, t = x / out_a, y / out_a, z / out_a, r / out_b, s / out_b, t / out_b
     across = (y * t - z * s) * u0 + (z * r - x * t) * u1 + (x * s - y * r) * u2
     ahead = math.atan2(across if turned > 0.0 else -across, x * r + y * s + z * t) % (2.0 * math.pi)
     if not abs(turned) < ahead:
