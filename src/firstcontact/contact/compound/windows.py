@@ -115,7 +115,7 @@ def windows(a: CompoundSide, b: CompoundSide, query: Query) -> list[PairWindow]:
     """All of them, in order of time."""
     shift = _shift_of(a, b, query)
     if shift is not None:
-        return sorted(_while_boxes_meet(a, b, query, shift))
+        return _while_boxes_meet(a, b, query, shift)
     whole = [(below(query.first), np.inf if query.last is None else above(query.last))]
     all_a, all_b = np.arange(len(a.bodies)), np.arange(len(b.bodies))
     pairs = overlapping(a.boxes(all_a, whole), b.boxes(all_b, whole))
@@ -147,8 +147,8 @@ def _drift_of(body: Body) -> Vector | None:
     return None if getattr(shape_of(body), "deforming", False) else drift_of(body)
 
 
-def _while_boxes_meet(a: CompoundSide, b: CompoundSide, query: Query, shift: np.ndarray) -> Iterator[PairWindow]:
-    """The time in which the boxes of each pair overlap, with some room: they are free when it begins.
+def _while_boxes_meet(a: CompoundSide, b: CompoundSide, query: Query, shift: np.ndarray) -> list[PairWindow]:
+    """The times in which boxes of pairs overlap, in order, with some room: they are free when these begin.
 
     Room is a whole step of the grid of times, which is far beyond what rounding does to these.
     """
@@ -166,9 +166,11 @@ def _while_boxes_meet(a: CompoundSide, b: CompoundSide, query: Query, shift: np.
     starts = np.clip(np.floor((enter - begin) / step) - 1.0, 0.0, STEPS)
     stops = np.clip(np.ceil((leave - begin) / step) + 1.0, 0.0, STEPS)
     meet = (enter <= leave) & (starts < stops) & ((least <= 0.0) & (most >= 0.0))[..., still].all(axis=2)
-    for i, j in np.argwhere(meet).tolist():
-        start, stop = (first + span * fmpq(int(x[i, j]), STEPS) for x in (starts, stops))
-        yield PairWindow(start, stop, i, j)
+    of_a, of_b = np.nonzero(meet)
+    begun, ended = (x[of_a, of_b].astype(int).tolist() for x in (starts, stops))
+    rows = zip(begun, ended, of_a.tolist(), of_b.tolist(), strict=True)
+    unit = span / STEPS
+    return [PairWindow(first + unit * start, first + unit * stop, i, j) for start, stop, i, j in sorted(rows)]
 
 
 def _runs(a: CompoundSide, b: CompoundSide, query: Query, pairs: np.ndarray) -> Iterator[PairWindow]:
