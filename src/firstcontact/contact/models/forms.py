@@ -27,11 +27,14 @@ def _form(m: list[list[float]]) -> Form:
 
 def value(f: Form, x: float, y: float, z: float) -> tuple[float, float]:
     """(value at a point, sum of the sizes of its terms)."""
-    a, b, c = f[0] * x * x, f[1] * y * y, f[2] * z * z
-    d, e, g = f[3] * x * y, f[4] * x * z, f[5] * y * z
-    p, q, r = f[6] * x, f[7] * y, f[8] * z
-    size = abs(a) + abs(b) + abs(c) + abs(d) + abs(e) + abs(g) + abs(p) + abs(q) + abs(r) + abs(f[9])
-    return a + b + c + d + e + g + p + q + r + f[9], size
+    a, b, c, d, e, g, p, q, r, s = f
+    p, q, r = p * x, q * y, r * z
+    if not (a or b or c or d or e or g):
+        return p + q + r + s, abs(p) + abs(q) + abs(r) + abs(s)
+    a, b, c = a * x * x, b * y * y, c * z * z
+    d, e, g = d * x * y, e * x * z, g * y * z
+    size = abs(a) + abs(b) + abs(c) + abs(d) + abs(e) + abs(g) + abs(p) + abs(q) + abs(r) + abs(s)
+    return a + b + c + d + e + g + p + q + r + s, size
 
 
 def height(f: Form, x: float, y: float, z: float) -> float:

@@ -10,6 +10,7 @@ first: nothing touches before they do, and where they touch at a point of the mo
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -116,12 +117,33 @@ class EventSearch:
         self.budget = budget
         self.is_spent = False
         """Whether a search has ended for want of budget."""
-        self.slice = max(SLICE, 1 + int((tables.info[:, END_PAIR] - tables.info[:, FIRST_PAIR]).max(initial=0)))
         self.counters = np.zeros(4, np.int64)
-        self.pool, self.work = np.empty((CAPACITY, 8)), np.empty((CAPACITY, 8))
-        self.known, self.told = np.empty((CAPACITY, KNOWN), np.int64), np.empty((CAPACITY, KNOWN), np.int64)
         self.result = np.zeros(RESULTS)
         self.scratch, self.frames = scratch_for(tables), np.zeros((FRAMES, 4))
+
+    @cached_property
+    def slice(self) -> int:
+        """Boxes and pairs after which the compiled search comes back."""
+        info = self.tables.info
+        return max(SLICE, 1 + int((info[:, END_PAIR] - info[:, FIRST_PAIR]).max(initial=0)))
+
+    @cached_property
+    def pool(self) -> np.ndarray:
+        """Boxes of a search, and those of its next round: room that a contact that pieces tell does not need."""
+        return np.empty((CAPACITY, 8))
+
+    @cached_property
+    def work(self) -> np.ndarray:
+        return np.empty((CAPACITY, 8))
+
+    @cached_property
+    def known(self) -> np.ndarray:
+        """What is known of each box, and of those of the next round."""
+        return np.empty((CAPACITY, KNOWN), np.int64)
+
+    @cached_property
+    def told(self) -> np.ndarray:
+        return np.empty((CAPACITY, KNOWN), np.int64)
 
     def touched(self, covers: Advance, last: fmpq, sharp: bool = False) -> Advance | None:
         """The contact of convex pieces that cover the models, if it is one of the models."""
