@@ -13,7 +13,7 @@ from OCP.BRepPrimAPI import BRepPrimAPI_MakeTorus  # noqa: E402
 
 import firstcontact as fc  # noqa: E402
 import step_shapes as shapes  # noqa: E402
-from firstcontact.body.torus.sector import Sweep, TorusSector  # noqa: E402
+from firstcontact.body.torus.sector import AngleRange, TorusSector  # noqa: E402
 
 
 def pin(radius=1):
@@ -253,7 +253,7 @@ def test_sectors_hold_what_their_angles_and_distances_say(seed):
     first = rng.uniform(-pi, pi, 2)
     (u0, u1), (v0, v1) = zip(first, first + rng.uniform(0.5, 6, 2), strict=True)
     shares = (fmpq(1, 2), fmpq(1)) if seed else (fmpq(1), fmpq(5, 4))
-    body = TorusSector(fmpq(3), fmpq(2), shares, Sweep.between(v0, v1), Sweep.between(u0, u1))
+    body = TorusSector(fmpq(3), fmpq(2), shares, AngleRange.between(v0, v1), AngleRange.between(u0, u1))
     lo, hi = body.bounds()
     points = rng.uniform(lo - 0.1, hi + 0.1, (3000, 3))
     rho = np.hypot(points[:, 0], points[:, 1])

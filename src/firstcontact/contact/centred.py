@@ -24,6 +24,8 @@ from firstcontact.work import Query
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Shape
+    from firstcontact.body.ruled.strip import RuledStrip
+    from firstcontact.body.ruled.surface import RuledSurface
 
 FAR = 2.0**10
 """Sizes of the smaller body from the origin beyond which the world is shifted: ten of the 53 bits are lost there."""
@@ -87,7 +89,8 @@ def _shift(query: Query, far: float) -> Vector | None:
 
 def _place(shape: Shape, query: Query) -> _Place:
     def found() -> _Place:
-        lo, hi = _seen(shape, query.span) if deforms else shape.bounds(query.span)
+        ruled: Any = shape
+        lo, hi = _seen(ruled, query.span) if deforms else shape.bounds(query.span)
         size = float((hi - lo).max())
         if not 0.0 < size < math.inf:  # points, and what has no end, tell no size
             return math.inf, (0.0, 0.0, 0.0), 0.0
@@ -98,7 +101,7 @@ def _place(shape: Shape, query: Query) -> _Place:
     return found() if deforms else _PLACE.of(shape, found)
 
 
-def _seen(shape: Any, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+def _seen(shape: RuledSurface | RuledStrip, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     """Corners of a box of some places of a surface: its place need not be known closely."""
     if not shape.bounded:
         return -_FAR_AWAY, _FAR_AWAY

@@ -45,7 +45,7 @@ T = TypeVar("T")
 
 
 @dataclass
-class Turns:
+class AskedSoFar:
     """What is known of a question's rounds.
 
     refused  whether elimination does not take it, however far it goes: then doubles go on without a limit.
@@ -86,14 +86,14 @@ def first_in_turn(
 ) -> FirstContact:
     """The first contact.  is_told: of what doubles prove, whether elimination has nothing to add."""
     ways: list[Way[FirstContact]] = []
-    turns = Turns()
+    turns = AskedSoFar()
     for own in ROUNDS if query.is_auto else ROUNDS[-1:]:
         ways += _first_ways(own, turns, in_doubles, exactly, is_told)
     return answered(ways, query)
 
 
 def _first_ways(
-    own: Round, turns: Turns, in_doubles: InDoubles, exactly: Exactly, is_told: Callable[[FirstContact], bool]
+    own: Round, turns: AskedSoFar, in_doubles: InDoubles, exactly: Exactly, is_told: Callable[[FirstContact], bool]
 ) -> list[Way[FirstContact]]:
     """Those of one round."""
     found: list[FirstContact] = []
@@ -178,7 +178,7 @@ def intervals_in_turn(
     exactly: Callable[[Query, Work, Reach], ContactIntervals],
 ) -> ContactIntervals:  # fmt: skip
     """All contacts.  first: the first one in doubles, which tells of free spans without more."""
-    shared, turns = query.work(), Turns()
+    shared, turns = query.work(), AskedSoFar()
 
     def work(budget: int | None) -> Work:
         return shared if query.budget is not None else _limited(query, budget).work()

@@ -243,7 +243,7 @@ class RoundNames:
     own: dict[int, tuple[int, ...]]
     labels: dict[str, list[str]]
 
-    def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
+    def of(self, kind: str, index: int, body: object) -> tuple[str, int, str] | None:
         """As `PieceNames`."""
         numbers = self.own.get(index)
         return None if not numbers else told("face", numbers, self.labels)

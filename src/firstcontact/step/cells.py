@@ -35,7 +35,7 @@ from firstcontact.step.asking import Asking
 from firstcontact.step.carriers import Carrier, NotExact, carrier_of, is_on_torus, plane
 from firstcontact.step.rims import rims
 from firstcontact.step.rough import Rough, rough
-from firstcontact.step.rounds import TANGENT, AskingRest, Round, joined
+from firstcontact.step.rounds import TANGENT, AskingRest, TorusRound, joined
 from firstcontact.step.solids import StepSolid
 from firstcontact.step.trims import Trims
 
@@ -102,7 +102,7 @@ class _Problem:
     depth: np.ndarray
     asking: Asking | AskingRest
     trims: Trims
-    rounds: list[Round]
+    rounds: list[TorusRound]
     rng: Any = field(default_factory=lambda: np.random.default_rng(0))
 
     def distances(self, points: np.ndarray, near: Sequence[int] | None = None) -> np.ndarray:
@@ -152,7 +152,7 @@ class Cut:
     """A solid as pieces: cells, and rounds, whose sectors are others; off: how far their edges are from the file's."""
 
     cells: list[SolidCell]
-    rounds: list[Round]
+    rounds: list[TorusRound]
     off: float
     rough: Rough
 
@@ -326,7 +326,7 @@ def _even(x: np.ndarray, size: float) -> np.ndarray:
 
 def _problem(solid: StepSolid) -> _Problem:
     known = _Carriers()
-    of_face, rounds = list[int](), list[Round]()
+    of_face, rounds = list[int](), list[TorusRound]()
     for number, face in enumerate(solid.faces):
         carrier = carrier_of(face)
         if carrier is not None:
@@ -337,7 +337,7 @@ def _problem(solid: StepSolid) -> _Problem:
             face_ = solid.named("face", number)
             raise NotExact(f"{face_} is on no plane, cylinder, sphere, torus or single nappe of a cone")
         of_face.append(ROUND)
-        rounds.append(Round(solid, number))
+        rounds.append(TorusRound(solid, number))
     asking, rounds = Asking(solid), joined(rounds)
     told = _sheets(rounds, known, of_face, asking)
     surfaces, count = known.surfaces, len(known.surfaces)
@@ -391,8 +391,8 @@ class _Carriers:
 
 
 def _sheets(
-    rounds: list[Round], known: _Carriers, of_face: list[int], asking: Asking
-) -> list[tuple[Round, int, np.ndarray, np.ndarray]]:
+    rounds: list[TorusRound], known: _Carriers, of_face: list[int], asking: Asking
+) -> list[tuple[TorusRound, int, np.ndarray, np.ndarray]]:
     """What bounds the rest instead of faces on tori: carriers, points, and normals.  Raises NotExact."""
     rng, found = np.random.default_rng(0), []
     for each in rounds:

@@ -18,7 +18,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.solid.carriers import Surface, doubles
-from firstcontact.body.torus.sector import Sweep, TorusSector
+from firstcontact.body.torus.sector import AngleRange, TorusSector
 from firstcontact.body.torus.torus import Torus
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix
@@ -55,7 +55,7 @@ SHALLOW = 0.03
 
 
 @dataclass(frozen=True)
-class Sheet:
+class RoundSheet:
     """What bounds the rest instead of the face, in a half-plane: from `first` to `last`, (rho, z); out: unit, away
     from the rest; beside: a face of the file whose carrier it is on, or None."""
 
@@ -65,13 +65,13 @@ class Sheet:
     beside: int | None = None
 
 
-class Round:
+class TorusRound:
     """A face of a solid, on a torus, with what is cut off along it; numbers: of all faces that it is made of.
 
     bore: of a tube all around, the one within it about the same circle.
     """
 
-    bore: Round | None
+    bore: TorusRound | None
 
     def __init__(self, solid: StepSolid, number: int) -> None:
         from OCP.BRep import BRep_Tool
@@ -101,7 +101,7 @@ class Round:
     def who(self) -> str:
         return self.solid.named("face", self.numbers[0])
 
-    def joins(self, other: Round) -> bool:
+    def joins(self, other: TorusRound) -> bool:
         """Whether another face goes on where this one ends, on the same torus; then this one is both."""
         if not (self._is_about(other) and self.radii == other.radii and self.is_hollow == other.is_hollow):
             return False
@@ -115,13 +115,13 @@ class Round:
                 return True
         return False
 
-    def is_bore_of(self, other: Round) -> bool:
+    def is_bore_of(self, other: TorusRound) -> bool:
         same = self._is_about(other) and self.radii[0] == other.radii[0] and self.is_hollow and not other.is_hollow
         ends = zip(self.ends[0], other.ends[0], strict=True)
         all_around = self.around is None and other.around is None and self.is_rectangle
         return same and all_around and max(abs(_off(x, y)) for x, y in ends) < CLOSE
 
-    def _is_about(self, other: Round) -> bool:
+    def _is_about(self, other: TorusRound) -> bool:
         own, others = ([*x.chart.axes.tolist(), x.chart.origin.tolist()] for x in (self, other))
         return own == others
 
@@ -241,7 +241,7 @@ class Round:
             return Torus(major, minor, self.matrix)
         first, last = self.insets
         arc = None if self.around is None else (self.around[0] + first, self.around[1] - last)
-        around, along = (None if ends is None else Sweep.between(*ends) for ends in (arc, self.along))
+        around, along = (None if ends is None else AngleRange.between(*ends) for ends in (arc, self.along))
         return TorusSector(major, minor, self.shares, around, along, self.matrix)
 
     @property
@@ -274,7 +274,7 @@ class Round:
         reach = sum(self.radii) + float(np.abs(self.chart.origin).max())
         return (to_double(off) + float(self.moved) + 1e-15) * reach + max(self.insets) ** 2 * self.radii[1]
 
-    def sheets(self) -> Iterator[Sheet]:
+    def sheets(self) -> Iterator[RoundSheet]:
         major, minor = self.radii
 
         def at(s: float, v: float) -> np.ndarray:
@@ -286,26 +286,26 @@ class Round:
         half = 0.5 * (self.arcs[0][1] - self.arcs[0][0]) if self.arcs else 0.0
         behind, (v0, v1) = BEHIND / math.cos(half), self.ends[1]
         if not self.is_hollow:
-            yield from (Sheet(at(1.0, v), at(1.0, w), unit(0.5 * (v + w))) for v, w in self.arcs)
+            yield from (RoundSheet(at(1.0, v), at(1.0, w), unit(0.5 * (v + w))) for v, w in self.arcs)
         elif self.has_walls:
-            yield from (Sheet(at(behind, v), at(behind, w), -unit(0.5 * (v + w))) for v, w in self.arcs)
-            yield Sheet(at(1.0, v0), at(behind, v0), unit(v0 + 0.25 * TURN))
-            yield Sheet(at(1.0, v1), at(behind, v1), unit(v1 - 0.25 * TURN))
+            yield from (RoundSheet(at(behind, v), at(behind, w), -unit(0.5 * (v + w))) for v, w in self.arcs)
+            yield RoundSheet(at(1.0, v0), at(behind, v0), unit(v0 + 0.25 * TURN))
+            yield RoundSheet(at(1.0, v1), at(behind, v1), unit(v1 - 0.25 * TURN))
         else:
             tops = [at(1.0 / math.cos(half), 0.5 * (v + w)) for v, w in self.arcs]
             corners = [at(1.0, v0), *tops, at(1.0, v1)]
             faces = [self.beside[0], *[None] * (self.parts - 1), self.beside[1]]
             ways = [*(v for v, _ in self.arcs), v1]
             for first, last, v, face in zip(corners, corners[1:], ways, faces, strict=False):
-                yield Sheet(first, last, -unit(v), face)
+                yield RoundSheet(first, last, -unit(v), face)
 
-    def carrier(self, sheet: Sheet) -> Carrier:
+    def carrier(self, sheet: RoundSheet) -> Carrier:
         """Of all points, turned about the axis, on a line in the half-plane."""
         place, axis = ([exact_value(x) for x in row.tolist()] for row in (self.chart.origin, self.chart.axes[2]))
         (a, b), c = sheet.out.tolist(), float(sheet.out @ sheet.first)
         return revolved((place[0], place[1], place[2]), (axis[0], axis[1], axis[2]), a, b, c)
 
-    def samples(self, sheet: Sheet) -> tuple[np.ndarray, np.ndarray]:
+    def samples(self, sheet: RoundSheet) -> tuple[np.ndarray, np.ndarray]:
         """Points of a sheet, and unit normals away from the rest."""
         (u0, u1), size = self.ends[0], max(sheet.first[0], sheet.last[0])
         count = max(ACROSS, math.ceil((u1 - u0) * size / (ALONG * self.solid.size)))
@@ -446,9 +446,9 @@ class Round:
         return SHALLOW * self.radii[1]
 
 
-def joined(rounds: Iterable[Round]) -> list[Round]:
+def joined(rounds: Iterable[TorusRound]) -> list[TorusRound]:
     """Those that are parts of one torus as one, and bores within their tubes."""
-    found: list[Round] = []
+    found: list[TorusRound] = []
     for each in rounds:
         while (other := next((x for x in found if x.joins(each) or each.joins(x)), None)) is not None:
             found.remove(other)
@@ -475,7 +475,7 @@ def _even(angle: float) -> float:
 class AskingRest:
     """As `Asking`, of what is left when sectors are cut off."""
 
-    def __init__(self, asking: Asking, rounds: Sequence[Round]) -> None:
+    def __init__(self, asking: Asking, rounds: Sequence[TorusRound]) -> None:
         self.asking, self.rounds = asking, rounds
 
     def inside(self, points: np.ndarray) -> np.ndarray:

@@ -9,9 +9,9 @@ a round has far = 1, it is what the tube holds; a fillet has near = 1, it is wha
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -24,19 +24,23 @@ from firstcontact.exact.rigid import IDENTITY, Matrix, apply
 from firstcontact.motion.value import number, numbers
 from firstcontact.result import Table
 
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
+    from firstcontact.exact.ring import VectorOf
+
 Direction = tuple[fmpq, fmpq]
 ZERO = fmpq(0)
 
 
 @dataclass(frozen=True)
-class Sweep:
+class AngleRange:
     """Directions of a plane from `first` counter-clockwise to `last`, of any length; less than a whole turn."""
 
     first: Direction
     last: Direction
 
     @classmethod
-    def between(cls, first: float, last: float) -> Sweep:
+    def between(cls, first: float, last: float) -> AngleRange:
         """From one angle to another one in radians, each rounded to a direction in doubles."""
         return cls(*((rational(math.cos(x), "angle"), rational(math.sin(x), "angle")) for x in (first, last)))
 
@@ -74,7 +78,7 @@ class TorusSector(Torus):
     is_whole = False
 
     def __init__(
-        self, major: fmpq, minor: fmpq, shares: tuple[fmpq, fmpq], around: Sweep | None, along: Sweep | None,
+        self, major: fmpq, minor: fmpq, shares: tuple[fmpq, fmpq], around: AngleRange | None, along: AngleRange | None,
         matrix: Matrix = IDENTITY, name: str | None = None,
     ) -> None:  # fmt: skip
         self.exact_shares, self.around, self.along = shares, around, along
@@ -134,7 +138,7 @@ class TorusSector(Torus):
         room = ROUNDED * (np.abs(pose[:, :3]).sum(axis=1) * (major + far * minor) + np.abs(pose[:, 3]))
         return centre - reach - room, centre + reach + room
 
-    def is_round(self, axis: Any, point: Any) -> bool:
+    def is_round(self, axis: VectorOf[fmpq], point: VectorOf[fmpq]) -> bool:
         return self.along is None and super().is_round(axis, point)
 
     def _grid(self, tolerance: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -162,7 +166,7 @@ class TorusSector(Torus):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         major, minor, shares, around, along, matrix = state["own"]
-        sweeps = (x and Sweep(*((rational(a, "x"), rational(b, "y")) for a, b in x)) for x in (around, along))
+        sweeps = (x and AngleRange(*((rational(a, "x"), rational(b, "y")) for a, b in x)) for x in (around, along))
         rows: Any = tuple(tuple(_exact(row)) for row in matrix)
         self.__init__(  # type: ignore[misc]
             *_exact((major, minor)), tuple(_exact(shares)), *sweeps, rows, state["name"]
@@ -172,7 +176,7 @@ class TorusSector(Torus):
         return f"{super()._radii_told()}, a sector"
 
 
-def _exact(given: Any) -> list[fmpq]:
+def _exact(given: Iterable[Given]) -> list[fmpq]:
     return [rational(x, "number") for x in given]
 
 

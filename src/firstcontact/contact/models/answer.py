@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, ctx
@@ -21,6 +21,7 @@ from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix
 from firstcontact.exact.times.instants import enclose
+from firstcontact.motion.moving import Moving
 from firstcontact.result import (
     MOST_OTHERS,
     CandidateTime,
@@ -143,9 +144,10 @@ def _turned(pair: MovingPair, root: Root, n: np.ndarray | None, b: Body, time: f
     return None if n is None else carried_normal(_pose_of_b(pair, root, b, time), n)
 
 
-def _pose_of_b(pair: MovingPair, root: Root, b: Any, time: float) -> np.ndarray:
+def _pose_of_b(pair: MovingPair, root: Root, b: Body, time: float) -> np.ndarray:
     frame = pair.piece.frame
     if frame is None:  # bodies that turn about one line at different speeds
+        assert isinstance(b, Moving)
         pose: np.ndarray = b.motion(time)
         return pose
     return _pose(frame, root)

@@ -6,13 +6,13 @@ times of `contact.advancing`; what it shares then at once it meets with its whol
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import fmpq, fmpq_poly
+from flint import fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.advancing import Apart, Upright, axis_of_screw, in_longer_span, without_advance
@@ -129,7 +129,7 @@ def _upright(body: Body, normal: Vector) -> Upright | None:
     return Upright(level, level, between)
 
 
-def _level(components: Any, normal: Vector) -> fmpq | None:
+def _level(components: Sequence[fmpz_poly], normal: Vector) -> fmpq | None:
     """The height of all points of a curve (X, Y, Z, W); None where it is not the same."""
     height = sum((fmpq_poly(p) * c for p, c in zip(components[:3], normal, strict=True)), fmpq_poly())
     weight = fmpq_poly(components[3])

@@ -22,7 +22,7 @@ from firstcontact.body.solid import carriers
 from firstcontact.body.solid.carriers import Plane, Surface
 from firstcontact.body.torus.torus import Torus, quartic
 from firstcontact.contact.torus.between import Places
-from firstcontact.errors import UnsupportedPair
+from firstcontact.contact.ways import Passed, tried
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 from firstcontact.exact.numbers import dyadic, precision, sign, to_double
 from firstcontact.exact.vectors import Vector, cross, dot, scaled, sub
@@ -132,9 +132,8 @@ class PointCourse:
         """In the order of time."""
         self.inside: bool | None = None
         """Whether it is in the torus where there are none; None where nothing is known of its way."""
-        try:
-            pieces = list(relative_pieces(*bodies, *span))
-        except UnsupportedPair:  # no rational function of any parameter
+        pieces = tried(lambda: list(relative_pieces(*bodies, *span)))
+        if isinstance(pieces, Passed):  # no rational function of any parameter
             return
         if all(piece.exact for piece in pieces):
             for piece in pieces:
