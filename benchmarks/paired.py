@@ -35,7 +35,7 @@ MOVED = {"firstcontact.examples.choi": "firstcontact.worked_examples"}
 """What scenes import, and where older commits have it."""
 MEAN_BAR, CELL_BAR = 1.03, 1.10
 NEW, OLD = "now", "before"
-TEXT = """# Beside the commit before the house was rebuilt
+TEXT = """# Beside an older commit
 
 Written by `python benchmarks/paired.py --before OLDER/src` on {machine}: ratios of the time of a query now to that of
 commit {commit}, both asked in turn. Bars: geometric mean of a table at most {mean}, no cell over {cell}.
@@ -56,7 +56,7 @@ commit {commit}, both asked in turn. Bars: geometric mean of a table at most {me
 
 
 def serve() -> None:
-    """Lines of JSON in, lines out: a question, or the memory taken so far."""
+    """Lines of JSON in, lines out: what a sample takes, or which cells there are."""
     for new, old in MOVED.items():
         if find_spec(old) is not None:
             sys.modules[new] = import_module(old)
@@ -92,7 +92,7 @@ def _sample(made: dict[Any, Any], known: dict[Any, Any], key: tuple[str, str], r
         count += 1
     seconds = (time.process_time() - begin) / count
     status = getattr(answer, "status", None)
-    return {"seconds": seconds, "answer": str(status), "time": getattr(answer, "time", None), "memory": _memory()}
+    return {"seconds": seconds, "answer": str(status), "memory": _memory()}
 
 
 def _memory() -> float:
@@ -214,10 +214,10 @@ def main() -> None:
         caches = arguments.caches or Path(folder)
         sources = {NEW: HERE.parent / "src", OLD: arguments.before.resolve()}
         sides = {side: Side(source, caches / side) for side, source in sources.items()}
-        shared = [x for x in sides[NEW].ask("cells") if x in sides[OLD].ask("cells")]
+        known = sides[OLD].ask("cells")
         rows = []
-        for cell in shared:
-            if arguments.only in " ".join(cell):
+        for cell in sides[NEW].ask("cells"):
+            if cell in known and arguments.only in " ".join(cell):
                 rows.append(measured(sides, cell, arguments.repeats))
                 print(json.dumps(rows[-1]), file=sys.stderr, flush=True)
         start = start_up(sides)

@@ -52,7 +52,7 @@ def told_by_boxes(questions: Sequence[Question]) -> dict[int, Answer]:
         _, last = culling.SPAN
         shared: QuestionFields = {"a": questions[k].a, "b": questions[k].b, "span": culling.SPAN}
         if questions[k].verb != "contact_intervals":
-            found[k] = FirstContact(Status.FREE, free_until=last, stats=_NO_WORK, **shared)
+            found[k] = FirstContact.free(_NO_WORK, **shared)
         else:
             found[k] = ContactIntervals((), Status.FREE, last, **shared)
     return found

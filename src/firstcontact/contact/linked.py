@@ -52,7 +52,7 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
         stats = stats + found.stats
         if found.status is not Status.FREE:
             return _told(found, query, shared, _timed(stats, query))
-    return FirstContact(Status.FREE, free_until=query.span[1], stats=_timed(stats, query), **query.shared)
+    return FirstContact.free(_timed(stats, query), **query.shared)
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:

@@ -121,7 +121,7 @@ def first_by_points(query: Query) -> FirstContact:
     except Unproved as stopped:
         raise UnsupportedPair(f"no common point is proved at {stopped.time}") from stopped
     if found is None:
-        return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(), **query.shared)
+        return FirstContact.free(query.stats(), **query.shared)
     times = found.lo, found.hi
     mesh_is_a = isinstance(shape_of(query.a), Polyhedron)
     bodies = query.bodies if mesh_is_a else query.bodies[::-1]

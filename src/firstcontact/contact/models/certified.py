@@ -54,8 +54,7 @@ def settle(models: tuple[Model, Model], query: Query, apart: bool = False) -> tu
         most = MOST_BOXES if budget is None else budget
         found = first_event(*models, query.first, query.end, query.tolerance, most, apart, sharp, enough)
     if found.status == "free":
-        stats = query.stats(found.steps, found.gaps)
-        return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **query.shared), True, found
+        return FirstContact.free(query.stats(found.steps, found.gaps), **query.shared), True, found
     if found.status != "contact" or found.normal is None:
         return None, False, found
     return *contact(models, found, query), found

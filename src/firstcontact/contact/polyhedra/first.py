@@ -76,7 +76,7 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
                 return contact_of(problem, found, exact, _timed(stats, begin), shared)
     except Spent:
         return _undecided("budget", work.free_until, stats, query)
-    return FirstContact.free(query.span[1], _timed(stats, begin), **shared)
+    return FirstContact.free(_timed(stats, begin), **shared)
 
 
 _FIRST = (Way("by trees", _first_contact),)
@@ -102,7 +102,7 @@ def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
     if other is None:
         return Passed("they are no prisms that move in one plane, nor is one on the other")
     if isinstance(other, Apart):
-        return ContactIntervals((), Status.FREE, query.span[1], None, _timed(NO_WORK, query.begin), **query.shared)
+        return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
     return decided(in_longer_span(_contact_intervals(other), other, query), query)
 
 

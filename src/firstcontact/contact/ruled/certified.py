@@ -43,7 +43,7 @@ def first(pieces: Pieces, query: Query) -> FirstContact:
     found = told_event_of(search, query.first, query.end, query.tolerance, budget)
     stats = query.stats(found.boxes)
     if found.status == "free":
-        return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **shared)
+        return FirstContact.free(stats, **shared)
     if found.status == "open":
         until = max(found.free_until, query.span[0])
         return FirstContact(Status.UNDECIDED, free_until=until, reason=found.reason, stats=stats, **shared)

@@ -117,7 +117,7 @@ def _first(query: Query, work: Work) -> FirstContact:
         if until is not None:
             reason = "budget" if any(x.contact.reason == "budget" for x in left) else "precision"
             return _undecided(until, reason, work, query)
-    return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(work.done), **query.shared)
+    return FirstContact.free(query.stats(work.done), **query.shared)
 
 
 def _split(found: list[_Found], pair: _Pair, window: PoseWindow, work: Work) -> list[_Found]:

@@ -89,7 +89,7 @@ def first(query: Query) -> FirstContact:
     shared: dict[str, Any] = {**query.shared, "stats": query.stats(found.steps, found.gaps)}
     start = pair.span[0]
     if found.status == "free":
-        return FirstContact(Status.FREE, free_until=pair.span[1], **shared)
+        return FirstContact.free(**shared)
     if found.status == "initial":
         return FirstContact(
             Status.INITIAL_CONTACT, start, (start, start), initial=_initial(pair, search), free_until=start, **shared

@@ -40,12 +40,12 @@ def first_of_level(answer: First) -> First:
     def asked(query: Query) -> FirstContact:
         other = _without_advance(query)
         if isinstance(other, Apart):
-            return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(), **query.shared)
+            return FirstContact.free(query.stats(), **query.shared)
         found = None if other is None else tried(lambda: answer(other))
         if other is None or found is None or isinstance(found, Passed):
             return answer(query)
         if found.status is Status.FREE:
-            return FirstContact(Status.FREE, free_until=query.span[1], stats=found.stats, **query.shared)
+            return FirstContact.free(found.stats, **query.shared)
         if found.status is Status.CONTACT:
             return _raised(found, query)
         if found.status is Status.UNDECIDED or other.first == query.first:

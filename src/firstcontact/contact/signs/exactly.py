@@ -166,8 +166,7 @@ def first(query: Query, stretches: Stretches, interior: Holding | None, work: Wo
         return FirstContact(
             Status.UNDECIDED, free_until=work.free_until, reason="budget", stats=stats, **query.shared
         )
-    stats = query.stats(exact_evaluations=work.done)
-    return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **query.shared)
+    return FirstContact.free(query.stats(exact_evaluations=work.done), **query.shared)
 
 
 def _windows(pair: PiecePair) -> Iterator[tuple[TimeEnd, TimeEnd]]:

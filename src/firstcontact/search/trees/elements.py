@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import fmpq, fmpz
@@ -123,6 +124,21 @@ class WholeCorners:
 
     def _as_numbers(self, x: Vector) -> Vector:
         return x if self.number is fmpz else (int(x[0]), int(x[1]), int(x[2]))
+
+
+class Corners:
+    """The corners of elements of two bodies and one vector in whole numbers of either kind, found when first asked."""
+
+    def __init__(self, a: Polyhedron, b: Polyhedron, vector: Vector) -> None:
+        self._of = a, b, vector
+
+    @cached_property
+    def whole(self) -> WholeCorners:
+        return WholeCorners(*self._of, fmpz)
+
+    @cached_property
+    def ints(self) -> WholeCorners:
+        return WholeCorners(*self._of, int)
 
 
 class Primitive:

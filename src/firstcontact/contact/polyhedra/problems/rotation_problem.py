@@ -14,7 +14,7 @@ from functools import cached_property, cmp_to_key
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import arb, fmpq, fmpz
+from flint import arb, fmpq
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
@@ -52,7 +52,16 @@ from firstcontact.result import ExactAngle
 from firstcontact.search.trees import rotate  # noqa: F401 - the walk under this motion
 from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.cylinder import COLUMNS
-from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, Scale, WholeCorners, corners_of
+from firstcontact.search.trees.elements import (
+    EDGE,
+    VERTEX,
+    Corners,
+    Feature,
+    Primitive,
+    Scale,
+    WholeCorners,
+    corners_of,
+)
 from firstcontact.search.trees.frame import frame_of, view_in
 from firstcontact.search.trees.touch import Touch, place_doubles, rotation_normal
 from firstcontact.search.trees.tree import Tree
@@ -93,6 +102,7 @@ class RotationProblem(ByEngine):
         sense = -1 if self.backward else 1
         self.rate = sense * piece.rate[0], sense * piece.rate[1]
         h, self.origin = piece.axis, piece.point
+        self._corners = Corners(a, b, self.origin)
         _, (direction,) = whole(h)
         self._whole_axis = Axis(scaled(-1, direction) if self.backward else direction)
         self.first, self.opening, self.turn = _ZERO, _ZERO, 0
@@ -105,14 +115,6 @@ class RotationProblem(ByEngine):
             self.last = self.last[0], self.last[1] - self.turn
         self._window: tuple[float, float] | None = None
         self._prepare()
-
-    @cached_property
-    def _whole(self) -> WholeCorners:
-        return WholeCorners(self.a, self.b, self.origin, fmpz)
-
-    @cached_property
-    def _ints(self) -> WholeCorners:
-        return WholeCorners(self.a, self.b, self.origin, int)
 
     @cached_property
     def axis(self) -> Axis:
@@ -207,7 +209,7 @@ class RotationProblem(ByEngine):
 
     def _find_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
         """The contacts from corners in whole numbers: angles stay, and no sum has to find a denominator."""
-        scale, a, b = _about_origin(self._whole, element_a, element_b)
+        scale, a, b = _about_origin(self._corners.whole, element_a, element_b)
         axis = self._whole_axis
         if element_a[0] == VERTEX:
             found = point_plane_rotation.rotation_contacts(axis, a[0], *b)
@@ -229,7 +231,7 @@ class RotationProblem(ByEngine):
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> AngleInstant | None:
         """The first contact of the two elements, of which floats have proved that it is in [lo, hi]; exact."""
         if self.is_exact:
-            _, a, b = _about_origin(self._ints, element_a, element_b)
+            _, a, b = _about_origin(self._corners.ints, element_a, element_b)
             instant = coplanar.rotation_instant(self._whole_axis, a, b, lo, hi)
             if instant is not None:
                 return instant
@@ -361,7 +363,7 @@ class RotationProblem(ByEngine):
 
     def start_relation(self, element_a: Feature, element_b: Feature) -> int:
         """How an edge and a facet relate at the start (`segment_facet.relation`); exact."""
-        _, corners_a, corners_b, _ = self._ints.of(element_a, element_b)
+        _, corners_a, corners_b, _ = self._corners.ints.of(element_a, element_b)
         segment, facet = (corners_a, corners_b) if element_a[0] == EDGE else (corners_b, corners_a)
         return segment_facet.relation(*segment, *facet)
 
@@ -379,7 +381,7 @@ class RotationProblem(ByEngine):
         contacts = self.contacts(element_a, element_b)
         point = next(q for instant, q in contacts if len(contacts) == 1 or same_instant(instant, at))
         where = place_doubles(point)
-        _, corners_a, corners_b = _about_origin(self._whole, element_a, element_b)
+        _, corners_a, corners_b = _about_origin(self._corners.whole, element_a, element_b)
         normal = rotation_normal(corners_a, corners_b, self._whole_axis, point, where, at)
         return np.array([x + to_double(y) for x, y in zip(where, self.origin, strict=True)]), normal
 

@@ -6,11 +6,11 @@ import math
 import sys
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import arb, fmpq, fmpz
+from flint import arb, fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.engines import ByEngine
@@ -25,7 +25,7 @@ from firstcontact.pairs.elements import coplanar, line_line, point_plane, segmen
 from firstcontact.pairs.elements.separated import are_apart
 from firstcontact.search.trees import translate
 from firstcontact.search.trees.containment import contained
-from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, WholeCorners, corners_of
+from firstcontact.search.trees.elements import EDGE, VERTEX, Corners, Feature, Primitive, corners_of
 from firstcontact.search.trees.frame import Frame, shared_frame, tree_of, view_in
 from firstcontact.search.trees.touch import Touch, translation_touch
 
@@ -56,6 +56,7 @@ class TranslationProblem(ByEngine):
         if self.pace is not None:
             self.v = scaled(1 / self.pace, self.v)
             self._doubles = [to_double(x) for x in self.v]
+        self._corners = Corners(a, b, self.v)
         self.is_exact = a.irrational_pose is None and b.irrational_pose is None
         self.last = None if piece.end is None else piece.end - piece.start
         if self.last is not None and self.pace is not None:
@@ -78,21 +79,13 @@ class TranslationProblem(ByEngine):
         if any(abs(y) < LEAST_SPEED and x != 0 for x, y in zip(self.v, v, strict=True)):
             self.pad += 2.0**-800  # so slowly nothing comes that far before the bodies have passed each other
 
-    @cached_property
-    def _whole(self) -> WholeCorners:
-        return WholeCorners(self.a, self.b, self.v, fmpz)
-
-    @cached_property
-    def _ints(self) -> WholeCorners:
-        return WholeCorners(self.a, self.b, self.v, int)
-
     def window(self) -> tuple[float, float]:
         """(last, sure last): outward and inward doubles around the end of the window."""
         return self._window
 
     def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
         """The earliest time of the window at which the two elements share a point; exact."""
-        _, corners_a, corners_b, v = self._whole.of(element_a, element_b)
+        _, corners_a, corners_b, v = self._corners.whole.of(element_a, element_b)
         elements = element_a, corners_a, element_b, corners_b, v
         clipped = clip(self._unless_apart(lambda: _window(*elements), corners_a, corners_b, v), (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
@@ -111,7 +104,7 @@ class TranslationProblem(ByEngine):
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> RationalInstant | None:
         """The first contact of the two elements, of which floats have proved that it is in [lo, hi]; exact."""
         if self.is_exact:
-            _, a, b, v = self._ints.of(element_a, element_b)
+            _, a, b, v = self._corners.ints.of(element_a, element_b)
             time = coplanar.translation_instant(a, b, v)
             if time is not None:
                 return RationalInstant(time)
@@ -180,7 +173,7 @@ class TranslationProblem(ByEngine):
 
     def start_relation(self, element_a: Feature, element_b: Feature) -> int:
         """How an edge and a facet relate at the start of the window (`segment_facet.relation`); exact."""
-        _, corners_a, corners_b, _ = self._ints.of(element_a, element_b)
+        _, corners_a, corners_b, _ = self._corners.ints.of(element_a, element_b)
         segment, facet = (corners_a, corners_b) if element_a[0] == EDGE else (corners_b, corners_a)
         return segment_facet.relation(*segment, *facet)
 
@@ -230,7 +223,7 @@ class TranslationProblem(ByEngine):
 
     def touch(self, element_a: Feature, element_b: Feature, at: RationalInstant) -> Touch:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
-        scale, corners_a, corners_b, v = self._whole.of(element_a, element_b)
+        scale, corners_a, corners_b, v = self._corners.whole.of(element_a, element_b)
         return translation_touch(element_a, corners_a, element_b, corners_b, v, scale, at)
 
 
