@@ -93,6 +93,7 @@ def opened(browser, page):
 def show(browser, address):
     browser.get("about:blank")  # else another hash on the same file would not load it again
     browser.get(address)
+    wait_until(lambda: browser.execute_script("return window.firstcontact?.scale"))  # is drawn with the first picture
 
 
 def state(browser, expression):
@@ -505,14 +506,12 @@ def test_parts_are_hidden_and_shown(opened, assembly):
 
 def test_the_scale_has_the_unit_of_the_scene(opened, assembly, page):
     show(opened, assembly)
-    wait_until(lambda: state(opened, "scale"))  # it is drawn with the first picture
     near = state(opened, "scale")
     press(opened, "all")
     wait_until(lambda: state(opened, "scale") != near)
     lengths = [text.split() for text in (near, state(opened, "scale"))]
     assert [unit for _, unit in lengths] == ["mm", "mm"] and float(lengths[0][0]) < float(lengths[1][0])
     show(opened, page)
-    wait_until(lambda: state(opened, "scale"))
     assert float(state(opened, "scale")) > 0
 
 
