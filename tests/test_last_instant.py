@@ -6,8 +6,12 @@ from fractions import Fraction as F
 
 import numpy as np
 import pytest
+from flint import arb, fmpq
 
 import firstcontact as fc
+from firstcontact.contact.models.last_instant import near_pose
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.rigid import apply
 from firstcontact.search.convex.close_up import CloseUp
 
 Z = (0, 0, 1)
@@ -134,3 +138,33 @@ def test_a_screw_ends_in_contact_with_a_mesh(name):
         found = fc.contact_intervals(moving, SHEET)
         assert found.status is status and all(x.end_interval == (1.0, 1.0) and x.start > 1 - 1e-12 for x in found)
     assert fc.first_contact(SHEET.moving(fc.Screw(Z, degrees=77, advance=2)), ABOVE[name]).time == 1.0
+
+
+PIN_POINT = [(1, 0, -2), (2, -1, -3), (2, 1, -3), (0, 0, -4)]
+SIDES = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+PIN = fc.Polyhedron(PIN_POINT, SIDES)
+TWO_PINS = fc.Polyhedron(
+    [*PIN_POINT, *((x, y, z - 20) for x, y, z in PIN_POINT)], [*SIDES, *([i + 4 for i in t] for t in SIDES)]
+)
+
+
+@pytest.mark.parametrize("pin", [PIN, TWO_PINS])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_point_that_lands_on_an_edge_only_where_the_pose_is_rounded(pin, sign):
+    """A pin's point comes to (cos 77, sin 77, 0) from below, and the edge of a disc stands at the rational place that
+    the pose beside that one gives the point: it touches beside the edge or misses by less than 2^-60."""
+    turning = pin.moving(fc.Screw(Z, degrees=77, advance=2))
+    x, y, z = (F(int(c.p), int(c.q)) for c in apply(near_pose(turning, fmpq(1))[0], [*map(fmpq, PIN_POINT[0])]))
+    disc = fc.cylinder(1, 2).translated((x + sign, y, 1))
+    with precision(200):
+        sine, cosine = arb.sin_cos_pi_fmpq(fmpq(77, 180))
+        away = (ball(x + sign) - cosine) ** 2 + (ball(y) - sine) ** 2 - 1
+    assert z == 0 and (away > 0 or away < 0) and abs(away) < 2.0**-55
+    truth = fc.Status.FREE if away > 0 else fc.Status.CONTACT
+    for pair in ((turning, disc), (disc, turning)):
+        found = fc.first_contact(*pair)
+        assert found.status in (truth, fc.Status.UNDECIDED) and found.free_until > 1 - 1e-12
+
+
+def ball(x: F) -> arb:
+    return arb(fmpq(x.numerator, x.denominator))

@@ -449,3 +449,13 @@ def halved(points, upper):
         kept.append(points[-1] if upper else points[0])
         points = [[(a + b) / 2 for a, b in zip(p, q, strict=True)] for p, q in zip(points, points[1:], strict=False)]
     return kept[::-1] if upper else kept
+
+
+@pytest.mark.parametrize("turn", [fc.Translation((0, 0, -10)), fc.Screw((0, 0, 1), degrees=50, advance=-10)])
+def test_elements_of_a_wide_enclosure_are_named(turn):
+    """What a rough question leaves open at a contact is as large as its tolerance; the face that is met is told."""
+    ring = fc.torus(2, "1/2").rotated((1, 0, 0), degrees=90).translated((0, 0, 9))
+    for body, met in ((fc.box((2, 3, 4)), "z+"), (fc.cylinder(2, 3), "top"), (fc.sphere(2), "")):
+        found = fc.first_contact(ring.moving(turn), body, tolerance=1e-3)
+        assert found.status is fc.Status.CONTACT and found.element_a.kind == found.element_b.kind == "face"
+        assert met in found.element_b.label

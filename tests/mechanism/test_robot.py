@@ -145,6 +145,18 @@ def test_a_mesh_that_was_written_anew_is_read_anew(tmp_path):
         assert np.ptp(body.vertices[:, 0]) == length
 
 
+def test_a_mesh_of_two_links_is_read_once(tmp_path, monkeypatch):
+    shape = '<collision><geometry><mesh filename="part.stl"/></geometry></collision>'
+    links = "".join(f'<link name="{x}">{shape}</link>' for x in "ab")
+    joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+    (tmp_path / "r.urdf").write_text(f'<robot name="r">{links}{joint}</robot>')
+    fc.examples.box((2, 1, 1)).to_trimesh().export(tmp_path / "part.stl")
+    asked, load = [], fc.Polyhedron.load
+    monkeypatch.setattr(fc.Polyhedron, "load", lambda *args, **named: asked.append(args) or load(*args, **named))
+    robot = fc.Robot.load(tmp_path / "r.urdf")
+    assert len(asked) == 1 and [len(robot.links[x]) for x in "ab"] == [1, 1]
+
+
 def test_wrong_files_and_links_are_named():
     with pytest.raises(fc.InputError, match="describes links and joints, as URDF does"):
         fc.Robot.load(LAMP, srdf=LAMP)

@@ -13,6 +13,7 @@ from OCP.BRepPrimAPI import BRepPrimAPI_MakeTorus  # noqa: E402
 
 import firstcontact as fc  # noqa: E402
 import step_shapes as shapes  # noqa: E402
+from firstcontact.body.compound.compound import as_triangles  # noqa: E402
 from firstcontact.body.torus.sector import AngleRange, TorusSector  # noqa: E402
 
 
@@ -279,3 +280,15 @@ def test_what_seats_on_a_round_along_a_circle_is_told_by_triangles():
     assert found.status is fc.Status.CONTACT and [x.way for x in found.stats.ways][0] == "by pieces"
     assert 1e-6 < found.model_deviation < 2e-3
     assert abs(6 - 2 * found.time - 4.8) < 2 * found.model_deviation and found.free_until <= found.time
+
+
+def test_triangles_that_miss_each_other_prove_nothing_of_rounds():
+    """A ring comes to rest on the round of a larger one along a whole circle, in the last instant: 3, 4, 5.  The
+    triangles of both stay apart."""
+    ring, seat = (fc.from_shape(shapes.torus(big, 2.5), deviation=0.1) for big in (10, 13))
+    moving = ring.translated((0, 0, 9)).moving(fc.Translation((0, 0, -5)))
+    assert fc.first_contact(as_triangles(moving), as_triangles(seat)).status is fc.Status.FREE
+    found = fc.first_contact(moving, seat)
+    assert found.status is fc.Status.UNDECIDED and found.reason == "precision" and 0.999 < found.free_until <= 1
+    further = fc.first_contact(moving, seat, span=(0, 2))
+    assert further.status is fc.Status.CONTACT and further.time == pytest.approx(1.0, abs=1e-9)
