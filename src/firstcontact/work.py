@@ -126,7 +126,6 @@ class Query:
 
     last: None without end.  exact, method, engine, tolerance, budget, progress, threads: as
     `firstcontact.first_contact` has them.  begin: when it was asked, by `time.perf_counter`.
-    sharp: whether a contact is to be enclosed more closely than the tolerance asks, where that takes little.
     enough: UNDECIDED will do where all is proved free up to then; None: nowhere.
     """
 
@@ -142,7 +141,6 @@ class Query:
     progress: Progress | None = None
     threads: int = 1
     begin: float = field(default_factory=clock.perf_counter)
-    sharp: bool = False
     enough: fmpq | None = None
 
     @cached_property

@@ -44,7 +44,7 @@ def first(query: Query) -> FirstContact:
         if left is not None and left <= 0:
             told.append(PieceAnswer(sides, window, _spent(query, window)))
             break
-        found = _asked(table.first_contact, _about(query, sides, window, end, left, enough, sharp=True))
+        found = _asked(table.first_contact, _about(query, sides, window, end, left, enough, whole=True))
         if left is not None:
             left -= found.stats.node_visits + found.stats.pair_tests + found.stats.exact_evaluations
         told.append(PieceAnswer(sides, window, found))
@@ -98,21 +98,21 @@ def _is_within_deviation(query: Query) -> bool | None:
 
 def _about(
     query: Query, sides: tuple[CompoundSide, CompoundSide], window: PairWindow, end: fmpq | None, left: int | None,
-    enough: fmpq | None = None, sharp: bool = False,
+    enough: fmpq | None = None, whole: bool = False,
 ) -> Query:  # fmt: skip
     """The question about two pieces, up to the end of their window or the first contact known.
 
-    sharp: with the enclosure that the whole question allows, whose span is longer, and as narrow as comes.
+    whole: with the enclosure that the whole question allows, whose span is longer.
     """
     a, b = sides
     last = window.last if end is None or window.last is None else min(window.last, end)
     last = end if last is None else last
-    sharp = sharp and last is not None and query.last is not None and last > window.first
-    tolerance = query.tolerance if not sharp or last is None else query.tolerance_within(window.first, last)
+    whole = whole and last is not None and query.last is not None and last > window.first
+    tolerance = query.tolerance if not whole or last is None else query.tolerance_within(window.first, last)
     return replace(
         query, a=a.bodies[window.a], b=b.bodies[window.b], first=window.first,
         last=None if last is None else max(last, window.first), budget=left, progress=None, enough=enough,
-        tolerance=tolerance, sharp=sharp or query.sharp,
+        tolerance=tolerance,
     )  # fmt: skip
 
 

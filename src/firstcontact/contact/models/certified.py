@@ -48,11 +48,11 @@ def settle(models: tuple[Model, Model], query: Query, apart: bool = False) -> tu
     touch at the same time the answer names one pair.
     """
     models, budget = both_bounded(models, query.span), query.budget
-    most, sharp, enough = 10_000 if budget is None else budget, query.sharp, query.enough
-    found = advance(*models, query.first, query.end, query.tolerance, most, sharp=sharp, enough=enough)
+    most, enough = 10_000 if budget is None else budget, query.enough
+    found = advance(*models, query.first, query.end, query.tolerance, most, enough=enough)
     if found.beyond:
         most = MOST_BOXES if budget is None else budget
-        found = first_event(*models, query.first, query.end, query.tolerance, most, apart, sharp, enough)
+        found = first_event(*models, query.first, query.end, query.tolerance, most, apart, enough)
     if found.status == "free":
         return FirstContact.free(query.stats(found.steps, found.gaps), **query.shared), True, found
     if found.status != "contact" or found.normal is None:

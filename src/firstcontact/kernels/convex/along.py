@@ -259,15 +259,6 @@ def place_of_touch(a, i, ma, b, j, mb, first, last, t, width, w, c):
 
 
 @uncounted
-def better_place(a, ma, b, mb, w, c):
-    """As `place_of_touch`, from the guess by forms that is in the workspace."""
-    i, j = c[PART], c[PART + 1]
-    if not place_frames(ma, mb, w[UNKNOWN, 3], w):
-        return 0.0
-    return _told(a, i, b, j, size_of(a, i, b, j), w, c)
-
-
-@uncounted
 def inner_point(a, ma, b, mb, t, w, c):
     """(whether the poses are regular, point in the frame of b): equally deep behind all active forms at t, to first
     order.  Leaves the frames at t."""

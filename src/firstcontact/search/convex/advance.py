@@ -25,7 +25,7 @@ from firstcontact.kernels.convex.advancement import (
     SPENT,
     advance_pieces,
 )
-from firstcontact.kernels.convex.along import better_place, inner_point, place_of_touch
+from firstcontact.kernels.convex.along import inner_point, place_of_touch
 from firstcontact.kernels.convex.support import FORMS
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import (
@@ -70,8 +70,6 @@ NEAR = 1e-9
 """Of the size of its coordinates: points nearer to each other than that are one."""
 SOON = (2.0**-6, 2.0**-3, 1.0)
 """Of the width of the answer: how long after a touch its place is looked at."""
-WIDE = 2.0**-2
-"""Of the width of the answer: from which on a contact is enclosed more closely, where that is wanted."""
 MOST_LOOKS = 12
 """Times at which one pair of pieces is followed in balls."""
 
@@ -134,12 +132,12 @@ class Advance:
 
 def advance(
     a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 10_000, covering: bool = False,
-    sharp: bool = False, enough: fmpq | None = None,
+    enough: fmpq | None = None,
 ) -> Advance:  # fmt: skip
     """The first common point of two bodies (CompositeQuadric, or Moving ones) over the closed [first, last].
 
     first, last: finite fmpq or numbers; tolerance: width of `time_interval` over the span; budget: strides at most.
-    covering: of pieces that cover the bodies.  sharp, enough: as `work.Query` has them.
+    covering: of pieces that cover the bodies.  enough: as `work.Query` has it.
     """
     begin, end = _exact(first), _exact(last)
     try:
@@ -150,7 +148,7 @@ def advance(
         return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))
     search = PieceSearch(pieces_a, pieces_b, stretches, tolerance, budget)
     search.motions = lambda: curved_pieces(a, b, begin, end)
-    search.sharp, search.enough = sharp, math.inf if enough is None else above(enough)
+    search.enough = math.inf if enough is None else above(enough)
     return search.run()
 
 
@@ -172,7 +170,7 @@ class PieceSearch:
         self.results = self.workspace[IN_RESULTS]
         self.motions: Callable[[], list[CurvedPiece]] | None = None
         """Gives the steps of the motion, exact; None where what doubles leave open stays so."""
-        self.sharp, self.enough = False, math.inf
+        self.enough = math.inf
 
     def run(self) -> Advance:
         for k, window in enumerate(self.windows):
@@ -241,8 +239,6 @@ class PieceSearch:
         t, close, looks = window.first, None, 0
         while True:
             outcome = self._outcome(window, i, j, t, limit)
-            if outcome == CONTACT and self.sharp and self.results[LO] + self.width < limit:
-                self._sharpen(window)  # else another one is known that is as early
             if outcome in (FREE, INITIAL, CONTACT) or outcome in REASONS or looks == MOST_LOOKS:
                 return outcome, None
             reached = float(self.results[FREE_UNTIL])
@@ -322,8 +318,7 @@ class PieceSearch:
         if best is None:
             return found
         assert best.time_interval and found.time_interval and best.time is not None and found.time is not None
-        same = self.width if self.sharp else 0.0  # the first of those is enclosed the most closely
-        first, other = (best, found) if best.time <= found.time + same else (found, best)
+        first, other = (best, found) if best.time <= found.time else (found, best)
         lo = min(best.time_interval[0], found.time_interval[0])
         hi = min(best.time_interval[1], found.time_interval[1])
         time = min(max(first.time, lo), hi)  # type: ignore[type-var]
@@ -344,16 +339,6 @@ class PieceSearch:
             self.workspace, self.counters,
         )  # fmt: skip
         return self._judged(window, reached, rate)
-
-    def _sharpen(self, window: Window) -> None:
-        """Enclose a contact more closely, in the middle of what touches there, if that is proved."""
-        wide = self.results[HI] - self.results[LO] > WIDE * self.width
-        if self.motions is None or self.counters[MODE] != BY_FORMS or not wide:
-            return
-        known, told = self.workspace.copy(), self.counters.copy()
-        rate = better_place(self.a.array, window.a, self.b.array, window.b, self.workspace, self.counters)
-        if not self._judged(window, float(known[IN_RESULTS, LO]), rate):
-            self.workspace[:], self.counters[:] = known, told
 
     def _judged(self, window: Window, reached: float, rate: float) -> bool:
         """Whether pieces that are free until `reached` share a point at the place of a guess: results as of CONTACT.

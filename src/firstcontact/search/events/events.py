@@ -58,8 +58,6 @@ BEFORE = 0.25
 """Of the width of the answer: how long before an event that balls know doubles go on."""
 SHARES = (0.25, 0.98)
 """Of the width of the answer: how long after a touch of covers the models are looked at."""
-SOON = 0.0625
-"""The same, where a contact is to be enclosed as closely as comes."""
 SPREAD = 1e-4
 """Part of the body's size beyond which places that may touch count as more than one point."""
 STRIDE = 0.1
@@ -82,13 +80,13 @@ SLICE = 2000
 
 def first_event(
     a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float, budget: int, apart: bool = False,
-    sharp: bool = False, enough: fmpq | None = None,
+    enough: fmpq | None = None,
 ) -> Advance:  # fmt: skip
     """The first common point of two bodies over [first, last]; as `search.convex.advance`.
 
     budget: strides, boxes and pairs of features at most.  apart: they are known to share no point at `first`.
     """
-    covers = advance(a, b, first, last, tolerance, min(STRIDES, budget), covering=True, sharp=sharp, enough=enough)
+    covers = advance(a, b, first, last, tolerance, min(STRIDES, budget), covering=True, enough=enough)
     if covers.status == "free":
         return covers
     if enough is not None and exact_value(covers.free_until) >= enough:
@@ -101,7 +99,7 @@ def first_event(
         return Advance("open", below(first), reason=str(reason))
     search = EventSearch(a, b, tables, stretches, tolerance, budget)
     search.counters[VISITS] = covers.steps  # one budget for both
-    if covers.status == "contact" and (touched := search.touched(covers, last, sharp)) is not None:
+    if covers.status == "contact" and (touched := search.touched(covers, last)) is not None:
         return touched
     return search.run(below(first) if covers.beyond else covers.free_until, last, apart)
 
@@ -145,7 +143,7 @@ class EventSearch:
     def told(self) -> np.ndarray:
         return np.empty((CAPACITY, KNOWN), np.int64)
 
-    def touched(self, covers: Advance, last: fmpq, sharp: bool = False) -> Advance | None:
+    def touched(self, covers: Advance, last: fmpq) -> Advance | None:
         """The contact of convex pieces that cover the models, if it is one of the models."""
         time, interval = covers.time, covers.time_interval
         assert time is not None and interval is not None and covers.point is not None
@@ -161,8 +159,7 @@ class EventSearch:
         )  # fmt: skip
         window = next(w for w in self.windows if time <= w.last)
         instant = PlacedForms(self.tables, window, self.scratch)
-        shares = (SOON, *SHARES) if sharp else SHARES
-        times = [min(max(hi, lo + share * self.width), window.last) for share in shares]
+        times = [min(max(hi, lo + share * self.width), window.last) for share in SHARES]
         at = proved_at(self.bodies, instant, covers, times, last)
         return None if at is None else replace(covers, time=min(time, at), time_interval=(lo, at))
 
