@@ -2,13 +2,11 @@
 
 Which of them is quicker is not known beforehand.  So each is asked within a limit that grows from round to round, and
 no answer takes many times what the quicker one takes.  Doubles begin, for they prove most free spans at once; what they
-prove to be in contact is looked at exactly near that time alone, which tells what touches: when it is read, where the
-time is known to one rounding.
+prove to be in contact is looked at exactly near that time alone, which tells what touches: when it is read.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -96,38 +94,24 @@ def _first_ways(
     own: Round, turns: AskedSoFar, in_doubles: InDoubles, exactly: Exactly, is_told: Callable[[FirstContact], bool]
 ) -> list[Way[FirstContact]]:
     """Those of one round."""
-    found: list[FirstContact] = []
-
     def by_doubles(query: Query, _: FirstContact | None) -> FirstContact | Passed:
         proved = in_doubles(_limited(query, turns.boxes(own)))
         if query.is_certified or query.is_spent(proved.reason) or is_told(proved):
             return proved
-        if proved.status is Status.CONTACT and _is_timed(proved):
+        if proved.status is Status.CONTACT:
             return told_later(proved, partial(_told_nearby, replace(query, progress=None), own, exactly, proved))
-        found.append(proved)
-        return Passed(proved.reason or "it is not told what touches", proved)
+        return Passed(str(proved.reason), proved)
 
     def by_elimination(query: Query, proved: FirstContact | None) -> FirstContact | Passed:
         if query.is_algebraic:
             return _with_advice(query, partial(exactly, query, own.reach), in_doubles)
-        limited = _limited(query, own.steps)
-        if proved is None or proved.time_interval is None:
-            return _beside(proved, decided(turns.asked(partial(exactly, limited, own.reach)), query))
-        return _seen_nearby(limited, exactly, proved)
+        ask = partial(exactly, _limited(query, own.steps), own.reach)
+        return _beside(proved, decided(turns.asked(ask), query))
 
-    def is_open(query: Query, proved: FirstContact | None) -> bool:
-        if query.is_certified or turns.refused:
-            return False
-        return proved is None or proved.status is Status.UNDECIDED or any(proved is x for x in found)
+    def is_open(query: Query, _: FirstContact | None) -> bool:
+        return not query.is_certified and not turns.refused
 
     return [Way("in doubles", by_doubles, turns.is_cut_short), Way("exactly", by_elimination, is_open)]
-
-
-def _is_timed(proved: FirstContact) -> bool:
-    """Whether doubles tell a time of contact as closely as doubles can, so that only its place is left to tell."""
-    assert proved.time_interval is not None
-    lo, hi = proved.time_interval
-    return hi <= math.nextafter(lo, math.inf)
 
 
 def _seen_nearby(query: Query, exactly: Exactly, proved: FirstContact) -> FirstContact | Passed:

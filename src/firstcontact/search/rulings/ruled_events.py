@@ -305,29 +305,32 @@ class RulingSearch:
             return None
         if not listed:
             return lo + reach, None
-        free = max(lo, min(_low(x.time) for x in listed))
+        return max(lo, min(_low(x.time) for x in listed)), self._first_of(listed)
+
+    def _first_of(self, listed: list[Listed]) -> RuledEvent | None:
+        """The earliest that is a contact, of several at one time that of the lowest stratum."""
         first: Listed | None = None
         for x in listed:
             if x.is_contact and (first is None or x.time < first.time
                                  or (x.time.overlaps(first.time) and _rank(x.kind) < _rank(first.kind))):  # fmt: skip
                 first = x
         if first is None:
-            return free, None
+            return None
         assert first.zero is not None and first.system is not None
-        return free, self._event(first.zero, first.system, first.kind)
+        return self._event(first.zero, first.system, first.kind)
 
-    def only(self, lo: float, hi: float, width: float, budget: int) -> RuledEvent | None:
-        """The event at which contact begins, where one point is proved to be all that the pieces share then.
+    def begun(self, lo: float, hi: float, width: float, budget: int) -> tuple[float, RuledEvent, bool] | None:
+        """(a time before which all is free, the event at which contact begins, whether one point is proved to be all
+        that the pieces share then), where nothing meets before lo and something does by hi.
 
-        Nothing meets before lo, something does by hi.  Each point shared at the first time of contact is where contact
-        of its stratum begins, so an event: where all that may be one up to hi is one simple zero, there is no other.
+        Each point shared at the first time of contact is where contact of its stratum begins, so an event: where all
+        that may be one up to hi is one simple zero, there is no other.
         """
         listed = self.listed(lo, width, hi - lo + width, budget)
-        if listed is None or len(listed) != 1 or not listed[0].is_contact:
+        event = self._first_of(listed) if listed else None
+        if listed is None or event is None:
             return None
-        (alone,) = listed
-        assert alone.zero is not None and alone.system is not None
-        return self._event(alone.zero, alone.system, alone.kind)
+        return max(lo, min(_low(x.time) for x in listed)), event, len(listed) == 1
 
     def listed(
         self, lo: float, width: float, reach: float, budget: int, most: int = MOST_FOUND, enough: float = math.inf
@@ -591,19 +594,21 @@ def first_event_of(s: RulingSearch, first: fmpq, last: fmpq, tolerance: float, b
 
 
 def told_event_of(s: RulingSearch, first: fmpq, last: fmpq, tolerance: float, budget: int) -> RuledContact:
-    """As `first_event_of`, with the tightest enclosure of the time where one point is proved to be all of a contact."""
+    """As `first_event_of`, with the tightest enclosure of the time, and whether one point is proved to be all of a
+    contact."""
     most = s.spent + budget
     found = first_event_of(s, first, last, tolerance, budget)
     if found.status != "contact":
         return found
     assert found.time_interval is not None
     (lo, hi), left = found.time_interval, most - s.spent
-    event = s.only(lo, hi, tolerance * float(last - first), left) if left > 0 else None
-    if event is None:
+    begun = s.begun(lo, hi, tolerance * float(last - first), left) if left > 0 else None
+    if begun is None:
         return replace(found, boxes=s.done)
-    lo, hi = max(lo, event.time_interval[0]), min(hi, event.time_interval[1])
+    lo, event, alone = begun
+    hi = min(hi, event.time_interval[1])
     time = min(max(event.time, lo), hi)
-    return replace(found, free_until=lo, time=time, time_interval=(lo, hi), event=event, isolated=True, boxes=s.done)
+    return replace(found, free_until=lo, time=time, time_interval=(lo, hi), event=event, isolated=alone, boxes=s.done)
 
 
 def _settled(
