@@ -36,6 +36,8 @@ class Round(NamedTuple):
 
 ROUNDS = Round(4_000, 100, QUICK), Round(100_000, 300, FARTHER), Round(None, None, FARTHEST)
 """About 0.2, 2 s and more of either."""
+IF_FREE = 2_000
+"""Boxes that doubles look at to prove that there is no contact at all, before elimination is asked for all of them."""
 NEARBY = fmpq(1, 2**30)
 """Part of the span around a time proved in doubles in which it is decided exactly."""
 
@@ -168,7 +170,7 @@ def intervals_in_turn(
         return shared if query.budget is not None else _limited(query, budget).work()
 
     def if_free(query: Query, _: None) -> ContactIntervals | Passed:
-        proved = first(replace(query, budget=ROUNDS[0].boxes))
+        proved = first(replace(query, budget=IF_FREE))
         if proved.status is not Status.FREE:
             return Passed(proved.reason or "contact")
         return ContactIntervals((), Status.FREE, query.span[1], None, proved.stats, **query.shared)
