@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.compound.compound import about_models
 from firstcontact.body.kept import Kept
 from firstcontact.contact.carried import carried
 from firstcontact.contact.later import LATER
@@ -52,7 +53,8 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
         stats = stats + found.stats
         if found.status is not Status.FREE:
             return _told(found, query, shared, _timed(stats, query))
-    return FirstContact.free(_timed(stats, query), **query.shared)
+    free, models = FirstContact.free(_timed(stats, query), **query.shared), about_models(*query.bodies)
+    return free if models["model_deviation"] is None else replace(free, **models)
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
@@ -70,7 +72,8 @@ def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> Cont
         if found.status is Status.UNDECIDED:
             return replace(found, intervals=tuple(known), stats=_timed(stats, query), **query.shared)
     until = known[0].start if known else query.span[1]
-    return ContactIntervals(tuple(known), status, until, None, _timed(stats, query), **query.shared)
+    models = about_models(*query.bodies)
+    return ContactIntervals(tuple(known), status, until, None, _timed(stats, query), **query.shared, **models)
 
 
 def pairs(answer: Callable[[Query], ContactPairs], query: Query) -> ContactPairs:
@@ -110,6 +113,8 @@ def _timed(stats: Stats, query: Query) -> Stats:
     return replace(stats, seconds=query.stats().seconds)
 
 
+LAST = "within_deviation"
+"""Asked for last: it costs another question."""
 _TOLD = "status", "time", "time_interval", "time_exact", "free_until", "reason", "keeps_bodies"
 
 
@@ -117,14 +122,14 @@ def _told(found: FirstContact, query: Query, shared: Linkage | None, stats: Stat
     """The answer as to the query itself, with the joints' values; of places it is as slow to tell as the answer."""
     def places() -> dict[str, object]:
         there = found if shared is None else carried(found, shared, query.a, query.b)
-        return {key: getattr(there, key) for key in LATER}
+        return {key: getattr(there, key) for key in LATER} | {"_rest": lambda: {LAST: getattr(found, LAST)}}
 
     joints: dict[str, JointValue] = {}
     if (time := found.time) is not None:
         interval = found.time_interval or (time, time)
         joints = {x.name: x for motion in _linkages(query) for x in motion.joint_values(time, interval)}
     known = {key: getattr(found, key) for key in _TOLD} | {"joints": tuple(joints.values()), "stats": stats}
-    return FirstContact.deferring({**known, **query.shared}, places)
+    return FirstContact.deferring({**known, **query.shared, **about_models(*query.bodies)}, places, LAST)
 
 
 # ------------------------------------------------------------------------------------------------ where they are near

@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from itertools import product
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypedDict
 
 import numpy as np
 
@@ -291,3 +291,16 @@ def deviation_of(body: Body) -> float | None:
     """Of a body at rest or moving; None of one that stands for itself."""
     shape = shape_of(body)
     return shape.deviation if isinstance(shape, Compound) else None
+
+
+class AboutModels(TypedDict):
+    """What an answer says of the models that its bodies were made of."""
+
+    model_deviation: float | None
+    unit: str | None
+
+
+def about_models(a: Body, b: Body) -> AboutModels:
+    known = [x for x in map(deviation_of, (a, b)) if x is not None]
+    units = [unit for body in (a, b) if (unit := getattr(shape_of(body), "unit", None)) is not None]
+    return {"model_deviation": sum(known) if known else None, "unit": units[0] if units else None}

@@ -8,9 +8,8 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
-from firstcontact.body.compound.compound import CompoundPiece, deviation_of
+from firstcontact.body.compound.compound import CompoundPiece, about_models
 from firstcontact.contact.compound.windows import CompoundSide, PairWindow
-from firstcontact.motion.moving import shape_of
 from firstcontact.result import (
     MOST_OTHERS,
     ContactInterval,
@@ -51,13 +50,6 @@ class PieceAnswer:
         return named
 
 
-def about_models(query: Query) -> dict[str, Any]:
-    """What an answer says of the models that its bodies were made of."""
-    known = [x for x in map(deviation_of, query.bodies) if x is not None]
-    units = [unit for body in query.bodies if (unit := getattr(shape_of(body), "unit", None)) is not None]
-    return {"model_deviation": sum(known) if known else None, "unit": units[0] if units else None}
-
-
 def combined(
     query: Query, sides: Sides, told: Sequence[PieceAnswer], is_within_deviation: Callable[[], bool | None]
 ) -> FirstContact:
@@ -66,7 +58,7 @@ def combined(
     for x in told:
         stats = stats + replace(x.found.stats, seconds=0.0, ways=())
     problems = tuple(problem for x in told for problem in x.found.subproblems)
-    known = {**query.shared, **about_models(query), "subproblems": problems}
+    known: dict[str, Any] = {**query.shared, **about_models(*query.bodies), "subproblems": problems}
     initial = [x for x in told if x.found.status is Status.INITIAL_CONTACT]
     if initial:
         found = _initial(query, sides, initial, {**known, "stats": stats})
@@ -169,7 +161,7 @@ def joined(query: Query, told: Sequence[ContactIntervals]) -> ContactIntervals:
     for found in told:
         stats = stats + replace(found.stats, seconds=0.0, ways=())
     ways = next((found.stats.ways for found in told if len(found)), ())
-    known: dict[str, Any] = {**query.shared, **about_models(query), "stats": replace(stats, ways=ways)}
+    known: dict[str, Any] = {**query.shared, **about_models(*query.bodies), "stats": replace(stats, ways=ways)}
     open_ = [x for x in told if x.status is Status.UNDECIDED]
     until = min((x.free_until for x in open_ if x.free_until is not None), default=math.inf)
     merged = _union([interval for x in told for interval in x if interval.start <= until])
