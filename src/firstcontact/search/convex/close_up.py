@@ -81,7 +81,8 @@ class CloseUp:
         if extremum is not None and abs(extremum.time - t) > NEAR * span:
             extremum = None
         hints, cuts, graze, end = [start], [], None, limit
-        if extremum is None:
+        bend = None if extremum is None else self._bend(extremum)
+        if extremum is None or bend is None:  # where centres meet s has no slope at its extremum
             crossing = system.solve(start, ZERO)
             if crossing is None or crossing.time <= t:
                 return None
@@ -90,9 +91,6 @@ class CloseUp:
             end = min(limit, 2 * crossing.time - t)
         else:
             hints.append(extremum)
-            bend = self._bend(extremum)
-            if bend is None:
-                return None
             gap = extremum.s if abs(extremum.s) > SURE * exact_value(system.size) else fmpq(0)
             if gap * bend < 0:
                 root = exact_value((-to_double(gap / bend)) ** 0.5)
