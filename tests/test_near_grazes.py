@@ -156,3 +156,23 @@ def test_weights_that_may_be_negative_bound_nothing():
     assert len(paths) == 5 and system.apart(state, paths, fmpq(1, 1000)) is not None
     paths[3][0], paths[4][0] = fmpq(2), fmpq(-1)
     assert system.apart(state, paths, fmpq(1, 1000)) is None
+
+
+HAIR = {"ball": fc.sphere(1), "egg": fc.ellipsoid((1, 2, 3)), "can": fc.cylinder(1, 1)}
+
+
+@pytest.mark.parametrize("name", HAIR)
+@pytest.mark.parametrize("gap", [F(1, 10**15), F(1, 10**30)])
+def test_a_hair_apart_at_the_start(name, gap):
+    """x = 2 + gap turns about (0, -5), clockwise away from x = 0: "free until 0" was all that was told, in two motions
+    or a screw.  The other way they meet at once."""
+    shape = HAIR[name]
+    for radians, status in ((-0.3, fc.Status.FREE), (0.3, fc.Status.CONTACT)):
+        body, turn = shape.translated((2 + gap, 0, 0)), {"axis": Z, "point": (0, -5, 0), "radians": radians}
+        for a, b in (
+            (body.moving(fc.Screw(**turn, advance=1)), shape),
+            (body.moving(fc.Rotation(**turn)), shape.moving(fc.Translation((0, 0, -1)))),
+        ):
+            hit = fc.first_contact(a, b)
+            assert hit.status is status and (hit.time is None or hit.time < 1e-12)
+            assert status is fc.Status.CONTACT or fc.contact_intervals(a, b).status is status

@@ -84,11 +84,15 @@ class CloseUp:
         bend = None if extremum is None else self._bend(extremum)
         if extremum is None or bend is None:  # where centres meet s has no slope at its extremum
             crossing = system.solve(start, ZERO)
-            if crossing is None or crossing.time <= t:
+            if crossing is None or crossing.time == t or start.s == 0:
                 return None
-            hints.append(crossing)
-            cuts = [crossing.time]
-            end = min(limit, 2 * crossing.time - t)
+            away = crossing.time - t
+            if away > 0:
+                hints.append(crossing)
+                cuts = [crossing.time]
+            # where they part, or were deeper before: up to where s is PAST, about, if it goes on as from the crossing
+            ahead = exact_value(PAST * system.size * abs(to_double(away / start.s)))
+            end = min(limit, t + max(away, fmpq(0)) + max(away, ahead))
         else:
             hints.append(extremum)
             gap = extremum.s if abs(extremum.s) > SURE * exact_value(system.size) else fmpq(0)
