@@ -27,18 +27,19 @@ SLIGHT, FAR, SHARE = 2.0**-6, 16.0, 2.0**-56
 
 
 class TurningRows(NamedTuple):
-    """rows (12, 4): x, y, z, v of the entries of R (by rows) and T; rates (12,): y omega + v; rounded once, as omega.
+    """rows (12, 4): x, y, z, v of the entries of R (by rows) and T, rounded once, as omega.
+
+    rates (12,): y omega + v, rounded once, where `polynomials` tell it better than sine and cosine for |s| <= 1.
     """
 
     rows: np.ndarray
-    rates: np.ndarray
+    rates: np.ndarray | None
     omega: float
 
     @property
     def is_slight(self) -> bool:
-        """Whether `polynomials` tell it better than sine and cosine for |s| <= 1."""
-        shift = self.rows[9:]
-        return abs(self.omega) <= SLIGHT and bool(np.abs(shift[:, 1:3]).max() > FAR * np.abs(shift[:, 0]).max())
+        """Whether polynomials tell it better."""
+        return self.rates is not None
 
     @property
     def degree(self) -> int:
@@ -54,6 +55,7 @@ class TurningRows(NamedTuple):
 
     def polynomials(self, n: int) -> tuple[np.ndarray, np.ndarray]:
         """(12, n + 1) coefficients of s^k, rounded 3 k + 2 times, and (12,) bounds of the next ones."""
+        assert self.rates is not None
         k = np.arange(1, n + 2)
         powers = np.cumprod(self.omega / k)
         waves = self.rows[:, 2 - k % 2] * np.where(k % 4 % 3 > 0, powers, -powers)  # y, z, -y, -z and so on
@@ -79,12 +81,19 @@ def turning_rows(motion: Rotation | Screw, begin: fmpq, share: fmpq, before: Pla
         zeroth = [*columns, [s + arb(advance * begin) * x for s, x in zip(shift, k, strict=True)]]
         slope = [arb(advance * share) * x for x in k]
         order = [(i, j) for i in range(3) for j in range(3)] + [(i, 3) for i in range(3)]
-        rates = [once[j][i] * omega + (slope[i] if j == 3 else 0) for i, j in order]
         rows = [
             [middle(zeroth[j][i]), middle(once[j][i]), middle(twice[j][i]), middle(slope[i]) if j == 3 else 0.0]
             for i, j in order
         ]
-        return TurningRows(np.array(rows), np.array([middle(x) for x in rates]), middle(omega))
+        turn, rates = middle(omega), None
+        if abs(turn) <= SLIGHT and _is_far(rows[9:]):
+            rates = np.array([middle(once[j][i] * omega + (slope[i] if j == 3 else 0)) for i, j in order])
+        return TurningRows(np.array(rows), rates, turn)
+
+
+def _is_far(shift: list[list[float]]) -> bool:
+    """Whether the axis is FAR times as far away as the origin, by the rows of T."""
+    return max(abs(c) for row in shift for c in row[1:3]) > FAR * max(abs(row[0]) for row in shift)
 
 
 def bits_of_distance(motion: Rotation | Screw) -> int:
