@@ -156,3 +156,32 @@ def test_weights_that_may_be_negative_bound_nothing():
     assert len(paths) == 5 and system.apart(state, paths, fmpq(1, 1000)) is not None
     paths[3][0], paths[4][0] = fmpq(2), fmpq(-1)
     assert system.apart(state, paths, fmpq(1, 1000)) is None
+
+
+HAIR = {"ball": fc.sphere(1), "egg": fc.ellipsoid((1, 2, 3)), "can": fc.cylinder(1, 1), "block": fc.box((2, 2, 2))}
+
+
+@pytest.mark.parametrize("name, gap", list(zip(HAIR, [F(1, 10**15), F(1, 10**30)] * 2, strict=True)))
+def test_a_hair_apart_at_the_start(name, gap):
+    """x = 2 + gap turns about (0, -5), clockwise away from x = 0: "free until 0" was all that was told, in two motions
+    or a screw.  The other way they meet at once."""
+    shape = HAIR[name]
+    for radians, status in ((-0.3, fc.Status.FREE), (0.3, fc.Status.CONTACT)):
+        body, turn = shape.translated((2 + gap, 0, 0)), {"axis": Z, "point": (0, -5, 0), "radians": radians}
+        for a, b in (
+            (body.moving(fc.Screw(**turn, advance=1)), shape),
+            (body.moving(fc.Rotation(**turn)), shape.moving(fc.Translation((0, 0, -1)))),
+        ):
+            hit = fc.first_contact(a, b)
+            assert hit.status is status and (hit.time is None or hit.time < 1e-12)
+            if status is fc.Status.FREE or name in ("ball", "egg"):
+                assert fc.contact_intervals(a, b).status is status
+
+
+@pytest.mark.parametrize("radians, end", [(-0.3, 0), (0.3, 1)])
+def test_a_hair_deep_at_the_start(radians, end):
+    """Balls that overlap by 1e-15 and part, or go on: intervals were UNDECIDED, as those of balls a hair apart."""
+    ball = fc.sphere(1)
+    a = ball.translated((2 - F(1, 10**15), 0, 0)).moving(fc.Screw(Z, (0, -5, 0), radians=radians, advance=1))
+    (found,) = fc.contact_intervals(a, ball)
+    assert found.start == 0 and abs(found.end - end) < 1e-12

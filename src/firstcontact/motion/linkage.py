@@ -11,9 +11,11 @@ from flint import arb, fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import ball_bounds, exact_value, precision, rational, to_double
-from firstcontact.exact.vectors import Vector, scaled
+from firstcontact.exact.rigid import IDENTITY, Matrix, apply
+from firstcontact.exact.vectors import Vector, add, scaled, sub
 from firstcontact.motion.placement import HERE, Placement, advanced
 from firstcontact.motion.product import JointFactor, Product, Simple, Value, at
+from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, turns_of
 from firstcontact.motion.screw import Screw, simple
 from firstcontact.motion.translation import Translation, double_of
@@ -97,8 +99,9 @@ class Linkage(Motion):
     times: ascending; between two of them every joint's value is one polynomial of the time.
     drives: the joints between the root and the link; axes and points are those of the world in which all values are 0.
 
-    It is made by a mechanism (`Mechanism.motion`); a link whose joints all rest but one makes plain steps, turns,
-    shifts or screws, while that one goes evenly.
+    It is made by a mechanism (`Mechanism.motion`).  Where the joints that stand do so in rational poses, a link makes
+    plain steps, turns, shifts or screws, while one joint goes evenly, and shifts, by polynomials of the time at most,
+    while all that go are prismatic.
     """
 
     __slots__ = ("times", "drives", "_parts")
@@ -130,13 +133,18 @@ class Linkage(Motion):
     def _part(self, k: int) -> Part:
         start, end = self.times[k], self.times[k + 1]
         factors = [JointFactor(d.motion, d.values[k]) for d in self.drives if any(d.values[k])]
-        moving = [f for f in factors if any(f.value[1:])]
-        if not moving:
-            return start, end, Translation((0, 0, 0)), placed(factors), None
-        if len(factors) > 1 or any(moving[0].value[2:]):
-            return start, end, Product(factors), HERE, None
-        (motion, (begin, share, *_)), length = moving[0], end - start
-        return start, end, _times(motion, share), HERE, (start - begin / share * length, length)
+        standing = placed(f for f in factors if not any(f.value[1:]))
+        if not any(any(f.value[1:]) for f in factors):
+            return start, end, Translation((0, 0, 0)), standing, None
+        moving = _moving(factors) if standing.is_exact else []
+        if len(moving) == 1 and not any(moving[0].value[2:]):
+            (motion, (begin, share, *_)), length = moving[0], end - start
+            return start, end, _times(motion, share), standing, (start - begin / share * length, length)
+        if moving and all(isinstance(f.motion, Translation) for f in moving):
+            first, *ways = _ways(moving)
+            shift = _along(ways) if len(ways) > 1 else Translation(ways[0])
+            return start, end, shift, standing.shifted(first), None
+        return start, end, Product(factors), HERE, None
 
     @property
     def turns(self) -> float:
@@ -243,6 +251,51 @@ def placed(factors: Iterable[JointFactor]) -> Placement:
     for motion, value in reversed(tuple(factors)):
         pose = advanced(pose, motion, value[0] if value else fmpq(0))
     return pose
+
+
+def _moving(factors: Iterable[JointFactor]) -> list[JointFactor]:
+    """Those whose values change, as they move a body to which all that stand, in rational poses, have been applied:
+    F m = (F m F^-1) F."""
+    moving: list[JointFactor] = []
+    standing: list[JointFactor] = []
+    for f in factors:
+        if any(f.value[1:]):
+            moving.append(JointFactor(_carried(f.motion, placed(standing).matrix()), f.value))
+        else:
+            standing.append(f)
+    return moving
+
+
+def _carried(motion: Simple, by: Matrix) -> Simple:
+    """The same motion in a world that was turned and shifted by a rational map."""
+    if by is IDENTITY:
+        return motion
+    ahead: Vector = motion.vector if isinstance(motion, Translation) else motion.axis
+    way = sub(apply(by, ahead), apply(by, (fmpq(0), fmpq(0), fmpq(0))))
+    if isinstance(motion, Translation):
+        return Translation(way)
+    point, angle = apply(by, motion.point), {motion.unit: motion.angle}
+    if isinstance(motion, Rotation):
+        return Rotation(way, point, **angle)
+    return Screw(way, point, **angle, advance=motion.advance)
+
+
+def _ways(shifts: Iterable[JointFactor]) -> list[Vector]:
+    """The coefficients of the sum of shifts, a polynomial of the time of degree 1 at least."""
+    ways = [(fmpq(0), fmpq(0), fmpq(0))] * 4
+    for motion, value in shifts:
+        assert isinstance(motion, Translation)
+        for k, c in enumerate(value):
+            ways[k] = add(ways[k], scaled(c, motion.vector))
+    while len(ways) > 2 and not any(ways[-1]):
+        ways.pop()
+    return ways
+
+
+def _along(ways: Iterable[Vector]) -> RationalMotion:
+    """The shift by a polynomial without constant term."""
+    still = [[int(i == j) for j in range(4)] for i in range(4)]
+    return RationalMotion([still, *([*([0, 0, 0, c] for c in way), [0] * 4] for way in ways)])
 
 
 def _times(motion: Simple, share: fmpq) -> Simple:

@@ -16,7 +16,7 @@ from typing import ClassVar, Generic, Protocol, TypeVar
 import numpy as np
 from flint import fmpq
 
-from firstcontact.exact.numbers import above, below
+from firstcontact.exact.numbers import above, below, exact_value
 from firstcontact.kernels.poses import CENTRE, KIND, TURNING
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.close_up import Passage
@@ -216,9 +216,12 @@ class TimeSweep(Generic[W]):
                 self._close((t, t))
             point = None
         else:
-            point = self._at_start(window, point, is_first)
-            if self.start is None:
-                self.start = t, t
+            try:
+                point = self._at_start(window, point, is_first)
+                if self.start is None:
+                    self.start = t, t
+            except Unproved:
+                t, point = self._finer_start(window)
         while t < window.last:
             if self.start is None:
                 t, point = self._enter(window, t)
@@ -240,6 +243,19 @@ class TimeSweep(Generic[W]):
         if is_first and (seed := self.touches_at_start()) is not None:
             return seed
         raise Unproved(t)
+
+    def _finer_start(self, window: W) -> tuple[float, np.ndarray | None]:
+        """As `_finer`, from the start of a window at which doubles tell neither contact nor none.  May raise Open."""
+        t = window.first
+        found = self.free.passage(window, t)
+        if found is None:
+            raise Unproved(t)
+        first = found.passage.stretches[0]
+        if not first.contact and self.start is not None:
+            self._close((t, t))
+        elif first.contact and self.start is None and first.lo == exact_value(t):
+            self.start = t, t
+        return self._finer(window, t)
 
     def _finer(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
         """As `_enter` or `_leave`, by a passage from t on.  May raise Open."""

@@ -20,6 +20,7 @@ from firstcontact.motion.product import Product, at
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative, step_pieces
 from firstcontact.motion.relative.polynomial import PolynomialStep as PolynomialStep
+from firstcontact.motion.relative.turns import bits_of_distance
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
@@ -241,16 +242,17 @@ def _simple_series(motion: Translation | Rotation | Screw, time: arb_series) -> 
         return [
             [*(arb_series([int(i == j)]) for j in range(3)), time * ball(motion.vector[i])] for i in range(3)
         ]
-    angle = time * angle_ball(motion.angle, motion.unit)
-    cosine, sine = angle.cos(), angle.sin()
-    rest, swing, across, ahead = turning(motion, ctx.prec)
-    rows = [
-        [cosine * s + sine * c + r for r, s, c in zip(*row, strict=True)]
-        for row in zip(rest, swing, across, strict=True)
-    ]
-    if any(ahead):
-        rows = [[*row[:3], row[3] + time * x] for row, x in zip(rows, ahead, strict=True)]
-    return rows
+    with precision(ctx.prec + bits_of_distance(motion)):
+        angle = time * angle_ball(motion.angle, motion.unit)
+        cosine, sine = angle.cos(), angle.sin()
+        rest, swing, across, ahead = turning(motion, ctx.prec)
+        rows = [
+            [cosine * s + sine * c + r for r, s, c in zip(*row, strict=True)]
+            for row in zip(rest, swing, across, strict=True)
+        ]
+        if any(ahead):
+            rows = [[*row[:3], row[3] + time * x] for row, x in zip(rows, ahead, strict=True)]
+        return rows
 
 
 @lru_cache(maxsize=256)

@@ -10,10 +10,12 @@ from flint import fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.exact.numbers import ball, precision, to_double
 from firstcontact.exact.vectors import dot
-from firstcontact.kernels.pose_series import LocalPose
+from firstcontact.kernels.pose_series import KEPT, LocalPose
+from firstcontact.motion.placement import HERE
 from firstcontact.motion.product import Product, Value
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.curved import CurvedPiece, Leg, turning
+from firstcontact.motion.relative.turns import SLIGHT, TurningRows, turning_rows
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
@@ -39,6 +41,10 @@ def own_pose(motion: Single, p: int, q: int, m: int, n: int) -> LocalPose:
     begin, share = fmpq(p, q), fmpq(m, n)
     if isinstance(motion, RationalMotion):
         return _rational(motion, begin, share)
+    if isinstance(motion, Rotation | Screw) and abs(motion.radians) * to_double(share) <= SLIGHT:
+        found = turning_rows(motion, begin, share, HERE)
+        if found.is_slight:
+            return _slightly(found)
     if not isinstance(motion, Product):
         return _turning(motion, (begin, share))
     parts = [_turning(f.motion, f.within(begin, share)) for f in motion.factors]
@@ -60,6 +66,21 @@ def _rational(motion: RationalMotion, begin: fmpq, share: fmpq) -> LocalPose:
     errors = np.abs(out) * _U
     entries, weights = (out[:, :3].copy(), errors[:, :3].copy()), (out[:, 3, 3].copy(), errors[:, 3, 3].copy())
     return LocalPose(False, _STILL, _STILL, *entries, *weights)
+
+
+def _slightly(turning: TurningRows) -> LocalPose:
+    """What polynomials leave out, 10 times the next coefficient at most, is an error of the last coefficient.
+
+    All f^(n) / n!, n up to KEPT, have coefficient k as often as k is over n: that of KEPT + 1 at most 9 times as often
+    as that of KEPT, and those behind it are far smaller.
+    """
+    table, left_out = turning.polynomials(KEPT)
+    errors = np.abs(table) * (3.0 * np.arange(table.shape[1]) + 3.0) * _U
+    errors[:, -1] += 10.0 * left_out
+    terms, errors = (np.dstack([x[:9].T.reshape(-1, 3, 3), x[9:].T]) for x in (table, errors))
+    weight = np.zeros(len(terms))
+    weight[0] = 1.0
+    return LocalPose(False, _STILL, _STILL, terms, errors, weight, np.zeros(len(terms)))
 
 
 def _fractions(x: fmpz_poly, local: fmpq_poly) -> list[fmpq]:

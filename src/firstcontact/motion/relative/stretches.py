@@ -10,8 +10,7 @@ import numpy as np
 from flint import arb, fmpq, fmpq_poly
 
 from firstcontact.exact.numbers import above, below, dyadic, precision, to_double
-from firstcontact.exact.rigid import Matrix, ball_rotation, compose
-from firstcontact.exact.vectors import cross, dot
+from firstcontact.exact.rigid import Matrix
 from firstcontact.kernels.poses import (
     CENTRE,
     DEGREE,
@@ -32,7 +31,8 @@ from firstcontact.motion.product import Product
 from firstcontact.motion.relative import projective
 from firstcontact.motion.relative.curved import own_series, terms
 from firstcontact.motion.relative.polynomial import own_pose
-from firstcontact.motion.rotation import Rotation, angle_ball
+from firstcontact.motion.relative.turns import BITS, middle, turning_rows
+from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.steps import REST, Step, steps_of
 from firstcontact.motion.translation import Translation
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from firstcontact.motion.kinds import AnyMotion
 
 U = 2.0**-53
-BITS = 192
 # Largest half angle (radians) of one stretch: `sine_cosine` reduces arguments below 2^10.
 MOST_RADIANS = 1000.0
 # A product of motions turns a sixth of a turn in one window, less where the values of joints bend there, and is a
@@ -143,14 +142,14 @@ def step_near(steps: tuple[Step, ...], time: fmpq) -> Step:
 @lru_cache(maxsize=256)
 def _stretch(motion: AnyMotion, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
     step = known_steps(motion)[index]
-    middle = to_double((begin + end) / 2)
+    centred = to_double((begin + end) / 2)
     half = max(to_double(end - begin) / 2 * (1 + 1e-9), 1e-300)
     if end == begin:
         half = 1.0
     head = np.zeros(9)
-    head[CENTRE], head[PER_HALF] = middle, 1.0 / half
+    head[CENTRE], head[PER_HALF] = centred, 1.0 / half
     # the exact scale that the kernel uses is that of the double 1 / half
-    centre, scale = fmpq(*middle.as_integer_ratio()), 1 / fmpq(*float(head[PER_HALF]).as_integer_ratio())
+    centre, scale = fmpq(*centred.as_integer_ratio()), 1 / fmpq(*float(head[PER_HALF]).as_integer_ratio())
     turns = isinstance(step.motion, Rotation | Screw)
     form = _turning if turns else _product if isinstance(step.motion, Product) else _rational
     coefficients = form(step, centre, scale, head)
@@ -212,7 +211,7 @@ def _product(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndar
     table[12, 0] = 1.0
     for e, (p, q) in enumerate(rows):
         balls = [p[k] for k in range(TERMS)]
-        table[e] = [_middle(c) for c in balls]
+        table[e] = [middle(c) for c in balls]
         off[e] = sum(float(c.rad()) for c in balls) + 1.0001 * float(q[TERMS].abs_upper())
     off += np.abs(table[:12]) @ (8.0 * np.arange(TERMS) + 3.0) * U  # as `_rational`
     head[ERROR_R], head[ERROR_T] = off[:9].max(), off[9:].max()
@@ -244,41 +243,24 @@ def _straight(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.nda
 
 
 def _turning(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
-    """Linear in 1, sin, 1 - cos of the angle turned since `centre`, and s = (t - centre) / scale."""
-    motion = step.motion
-    head[KIND] = TURNING
-    advance = motion.advance if isinstance(motion, Screw) else fmpq(0)
-    local = step.share(centre)
-    with precision(BITS):
-        length = arb(dot(motion.axis, motion.axis)).sqrt()
-        k = [arb(x) / length for x in motion.axis]
-        p = [arb(x) for x in motion.point]
-        omega = angle_ball(motion.angle * scale / step.unit, motion.unit)
-        turned = ball_rotation(motion.axis, motion.point, angle_ball(motion.angle * local, motion.unit))
-        base = compose(turned, tuple(tuple(arb(x) for x in row) for row in step.before.matrix()))  # type: ignore[arg-type]
-        columns = [[base[i][j] for i in range(3)] for j in range(3)]
-        shift = [base[i][3] for i in range(3)]
-        arm = [s - q for s, q in zip(shift, p, strict=True)]
-        once = [cross(k, c) for c in (*columns, arm)]
-        twice = [cross(k, c) for c in once]
-        far = [s + arb(advance * local) * x for s, x in zip(shift, k, strict=True)]
-        slope = [arb(advance * scale / step.unit) * x for x in k]
-        order = [(i, j) for i in range(3) for j in range(3)] + [(i, 3) for i in range(3)]
-        zeroth = [*columns, far]
-        table = np.array([
-            [_middle(zeroth[j][i]), _middle(once[j][i]), _middle(twice[j][i]), _middle(slope[i]) if j == 3 else 0.0]
-            for i, j in order
-        ])  # fmt: skip
-        head[OMEGA] = _middle(omega)
-    if abs(head[OMEGA]) > MOST_RADIANS:
-        raise Untold("too many turns")
-    # entries and omega rounded once, the sum of four terms, s within 4 U, the sine within SINE_EPS
-    off = np.array([8 * U, 8 * U, 16 * U, 12 * U])
-    wobble = SINE_EPS + 8 * U * abs(head[OMEGA])
-    errors = np.abs(table) @ off + (np.abs(table[:, 1]) + np.abs(table[:, 2])) * wobble
+    """Linear in 1, sin, 1 - cos of the angle turned since `centre`, and s = (t - centre) / scale; polynomials in s
+    where these tell it better."""
+    found = turning_rows(step.motion, step.share(centre), scale / step.unit, step.before)
+    table, head[OMEGA] = found.rows, found.omega
+    if found.is_slight:
+        table, _ = found.polynomials(found.degree)
+        # coefficients as told; two roundings per step of Horner's rule; s itself within 4 U; the rest below one of U
+        errors = np.abs(table) @ (9.0 * np.arange(table.shape[1]) + 3.0) * U
+        head[KIND], head[STRAIGHT], head[DEGREE] = RATIONAL, 1.0, table.shape[1] - 1
+    else:
+        head[KIND] = TURNING
+        if abs(found.omega) > MOST_RADIANS:
+            raise Untold("too many turns")
+        # entries and omega rounded once, the sum of four terms, s within 4 U, the sine within SINE_EPS
+        off = np.array([8 * U, 8 * U, 16 * U, 12 * U])
+        wobble = SINE_EPS + 8 * U * abs(found.omega)
+        errors = np.abs(table) @ off + (np.abs(table[:, 1]) + np.abs(table[:, 2])) * wobble
     head[ERROR_R], head[ERROR_T] = errors[:9].max(), errors[9:].max()
-    return np.vstack([table, np.zeros(4)])
-
-
-def _middle(x: arb) -> float:
-    return float(x.mid())
+    weight = np.zeros(table.shape[1])
+    weight[0] = float(found.is_slight)
+    return np.vstack([table, weight])

@@ -81,18 +81,22 @@ class CloseUp:
         if extremum is not None and abs(extremum.time - t) > NEAR * span:
             extremum = None
         hints, cuts, graze, end = [start], [], None, limit
-        if extremum is None:
+        bend = None if extremum is None else self._bend(extremum)
+        if extremum is None or bend is None:  # where centres meet s has no slope at its extremum
             crossing = system.solve(start, ZERO)
-            if crossing is None or crossing.time <= t:
+            if crossing is None:
+                return self._parting(start, limit)
+            if crossing.time == t or start.s == 0:
                 return None
-            hints.append(crossing)
-            cuts = [crossing.time]
-            end = min(limit, 2 * crossing.time - t)
+            away = crossing.time - t
+            if away > 0:
+                hints.append(crossing)
+                cuts = [crossing.time]
+            # where they part, or were deeper before: up to where s is PAST, about, if it goes on as from the crossing
+            ahead = exact_value(PAST * system.size * abs(to_double(away / start.s)))
+            end = min(limit, t + max(away, fmpq(0)) + max(away, ahead))
         else:
             hints.append(extremum)
-            bend = self._bend(extremum)
-            if bend is None:
-                return None
             gap = extremum.s if abs(extremum.s) > SURE * exact_value(system.size) else fmpq(0)
             if gap * bend < 0:
                 root = exact_value((-to_double(gap / bend)) ** 0.5)
@@ -107,6 +111,21 @@ class CloseUp:
             ahead = exact_value((PAST * system.size / abs(to_double(bend))) ** 0.5)
             end = min(limit, max([extremum.time, *cuts]) + max(ahead, 4 * abs(extremum.time - t)))
         return self._proved(t, end, sorted(cuts), graze, start.s < 0, hints, width, first)
+
+    def _parting(self, start: State, limit: fmpq) -> Passage | None:
+        """Free time from a state on while the plane that is between the pieces then keeps them apart.
+
+        That is proved of faces that were parallel and lean away from each other, which no solved state follows.
+        """
+        system, still = self.separation, [[x, fmpq(0), fmpq(0)] for x in (*start.x, *start.weights)]
+        bound = system.apart(start, still, CORE) if start.s > 0 else None
+        if bound is None or not bound.c1[1] > 0:
+            return None
+        ahead = exact_value(PAST * system.size / float(bound.c1[1].mid()))
+        end, bound = min(limit, start.time + ahead), system.apart(start, still, ahead)
+        if bound is None or not bound.is_positive(start.time, end):
+            return None
+        return Passage([Stretch(False, start.time, end)])
 
     def _bend(self, state: State) -> fmpq | None:
         """Half the second derivative of s, about."""
