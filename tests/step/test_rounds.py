@@ -1,6 +1,7 @@
 """Parts with rounds and fillets on tori, against OpenCASCADE and closed formulas."""
 
 import pickle
+from fractions import Fraction as F
 from math import cos, hypot, pi, sin, sqrt
 
 import numpy as np
@@ -292,3 +293,20 @@ def test_triangles_that_miss_each_other_prove_nothing_of_rounds():
     assert found.status is fc.Status.UNDECIDED and found.reason == "precision" and 0.999 < found.free_until <= 1
     further = fc.first_contact(moving, seat, span=(0, 2))
     assert further.status is fc.Status.CONTACT and further.time == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("depth", ["1e-5", "1e-8"])
+def test_a_graze_that_triangles_miss_is_not_told_as_what_comes_later(depth):
+    """A ball passes a ring at t = 1/4, that deep in it, goes on, and comes into the ring: CONTACT was told at 0.8."""
+    ring = fc.from_shape(shapes.torus(2, 0.5), name="ring")
+    far, (c, s), (cp, sp) = F(3, 2) - F(depth), (F(3, 5), F(4, 5)), (F(5, 13), F(12, 13))
+    place, way = ((2 + far * cp) * c, (2 + far * cp) * s, far * sp), (-8 * s, 8 * c, 0)
+    into = [2 * c - place[0] - way[0], 2 * s - place[1] - way[1], -place[2]]
+    path = fc.Sequence([fc.Translation([2 * x for x in way]), fc.Translation(into)])
+    ball = fc.sphere(1).translated([x - d for x, d in zip(place, way, strict=True)])
+    deep = F(1, 2) - F(depth) / 2
+    common = ((2 + deep * cp) * c, (2 + deep * cp) * s, deep * sp)
+    assert ring.contains([common])[0] and fc.sphere(1).translated(place).contains([common])[0]
+    found = fc.first_contact(ball.moving(path), ring)
+    assert found.free_until < 0.25
+    assert found.status is fc.Status.UNDECIDED or found.time < 0.25 + 1e-3

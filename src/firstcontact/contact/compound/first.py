@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 from flint import fmpq
 
 from firstcontact.body.compound.compound import as_triangles, both_taken_in, deviation_of
@@ -17,7 +18,7 @@ from firstcontact.contact.compound.answer import PieceAnswer, combined, joined
 from firstcontact.contact.compound.windows import PairWindow, side_of, windows
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, above, below, exact_value
-from firstcontact.motion.moving import shape_of
+from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.result import Asked, ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
 
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
 ROOM = fmpq(7, 8)
 """Of the enclosure that may be told: how wide it becomes at most where pieces touch nearly at once."""
+
+BESIDE = 16.0
+"""Deviations of triangles that these go on at most from where their surfaces touch: along a slope of 1 in 16."""
 
 
 def first(query: Query) -> FirstContact:
@@ -66,7 +70,10 @@ def first(query: Query) -> FirstContact:
 
 def _by_triangles(query: Query, found: FirstContact) -> FirstContact:
     """What is left open of bodies with the surfaces of files, as where they touch along all of a circle: the contact of
-    their triangles, which tells by how much these deviate.  No more than that: what triangles miss may touch.
+    their triangles, which tells by how much these deviate.
+
+    No more than that: what triangles miss may touch.  So their contact counts where it comes as soon after what is
+    proved free of the surfaces, or as little before, as the deviations let it.
     """
     from firstcontact.contact import table
 
@@ -74,12 +81,26 @@ def _by_triangles(query: Query, found: FirstContact) -> FirstContact:
     if not query.is_auto or found.reason != "precision" or (a is query.a and b is query.b):
         return found
     other = table.first_contact(replace(query, a=a, b=b))
-    if other.status is not Status.CONTACT:
+    if other.status is not Status.CONTACT or not _is_beside(query, found, other):
         return found
     asked = Asked("by pieces", "passed: precision", found.stats.seconds), *other.stats.ways
     stats = replace(found.stats + other.stats, ways=asked)
     until = min(x.free_until for x in (found, other) if x.free_until is not None)
     return replace(other, a=query.a, b=query.b, free_until=until, stats=stats)
+
+
+def _is_beside(query: Query, found: FirstContact, other: FirstContact) -> bool:
+    """Whether the points at which triangles touch are as near to each other when the surfaces are left open as they may
+    be where these touch then."""
+    until, then = found.free_until, other.time
+    if until is None or then is None or other.point is None or other.model_deviation is None:
+        return False
+    there = np.append(other.point, 1.0)
+    a, b = (
+        x.motion(until) @ np.linalg.solve(x.motion(then), there) if isinstance(x, Moving) else there
+        for x in query.bodies
+    )
+    return float(np.linalg.norm((a - b)[:3])) <= BESIDE * other.model_deviation
 
 
 def _is_within_deviation(query: Query) -> bool | None:
