@@ -35,6 +35,8 @@ MOST_BOXES = 64
 """Grouped one by one."""
 MOST = 24
 """Stretches beyond which the span is not cut."""
+STEPS = 2
+"""Of work, that a stretch looked at counts as."""
 GRID = 25
 """Places of the piece in either direction among which one inside the solid is sought."""
 
@@ -77,7 +79,7 @@ def solid_times(
     c: SolidConditions, span: Span, work: Work, reach: Reach = FARTHEST
 ) -> list[Times | HeldTimes]:
     """What together tells all times of contact; in order, over stretches that share their ends at most."""
-    parts = _Stretches(c, span).found
+    parts = _Stretches(c, span, work).found
     if parts is None:
         return [Times(c, span, work, reach)]
     return [
@@ -91,10 +93,13 @@ Active = frozenset[int]
 
 
 class _Stretches:
-    """found: (stretch, polynomials for elimination, or None where there is contact throughout); None for too many."""
+    """found: (stretch, polynomials for elimination, or None where there is contact throughout); None for too many.
 
-    def __init__(self, c: SolidConditions, span: Span) -> None:
-        self.c, self.span = c, span
+    Each stretch looked at counts as work.  Raises Spent.
+    """
+
+    def __init__(self, c: SolidConditions, span: Span, work: Work) -> None:
+        self.c, self.span, self.work = c, span, work
         self.found: list[tuple[Span, Active | None]] | None = []
         self._cover(*span)
         if self.found is not None:
@@ -104,6 +109,7 @@ class _Stretches:
         """before: the polynomials of a longer stretch; stale: how often halving has left them."""
         if self.found is None:
             return
+        self.work.step(STEPS)
         boxes = survivors(self.c, (lo, hi), VISITS, DEPTH)
         if not boxes:
             return
