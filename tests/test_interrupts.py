@@ -54,6 +54,7 @@ def told(answer: Any) -> tuple[Any, ...]:
     return answer.status, answer.reason, [(x.start, x.end) for x in answer], answer.free_until, counts, ways
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("verb", "name"), ASKED)
 def test_slices_change_no_answer(name, verb, monkeypatch):
     whole = told(verb(*SCENES[name], method="certified"))

@@ -102,6 +102,7 @@ def test_what_only_grazes_is_exact():
         assert [(x.start, x.end) for x in found] == [(0.2, 0.3), (0.7, 0.8)]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", ["small ball across", "pin falls in", "cone turns"])
 def test_exact_ends_are_those_of_its_parts(name):
     body = CLIP_SCENES[name]

@@ -170,6 +170,7 @@ def test_close_fits_at_the_start(seed):
     assert (known.gap(np.linspace(0, 1, 20_001)).min() < 0) == CLOSE[seed]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(1000, 1030))
 def test_all_that_is_told_holds(seed):
     known = scene(seed)

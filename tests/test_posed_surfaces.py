@@ -353,6 +353,7 @@ BOARDS = {
 }  # fmt: skip
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", BOARDS)
 def test_a_coin_on_a_board_under_a_screw(name):
     """Its face came to lie on the board's at once, which no search of events tells: 0.4999 was proved, slowly."""

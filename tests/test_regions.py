@@ -82,6 +82,7 @@ def random_solid(rng: random.Random, depth: int) -> CompositeQuadric:
     return first | second if way == 0 else first & second if way == 1 else first - second
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(amount(40, 4)))
 def test_random_solids(seed):
     """Reaches leave nothing out, whatever was cut from what."""

@@ -85,6 +85,7 @@ def exact_doubles(name):
     return name != "odd doubles"
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", PLACES)
 @pytest.mark.parametrize("seed", range(6))
 def test_solids(name, seed):

@@ -32,6 +32,7 @@ def thin(thickness):
     }
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", thin(Fraction(1, 100)))
 @pytest.mark.parametrize("thickness", [Fraction(1, 100), Fraction(1, 10**6), Fraction(1, 10**9)], ids=str)
 def test_a_ball_meets_thin_solids_from_above_and_below(name, thickness):

@@ -406,6 +406,7 @@ def of_scale(s):
     return fc.first_contact(solid.translated((6, 2, -3)).transformed(grown).moving(motion), ring)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("scale", [F(1, 2**20), F(1, 1000), F(10**6)])
 def test_scaled_bodies_meet_a_scaled_torus_just_then(scale):
     """Heights over the torus were in the unit of its own frame, those over the other solid in the world's."""

@@ -55,6 +55,7 @@ def check(found, gap_at, until=1.0):
             assert any(x.start <= t <= x.end for x in found) == (gap_at(t) < 0), t
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("as_mesh", [True, False])
 def test_an_edge_leaves_exactly_at_an_edge(as_mesh):
     """At atan(3/4) from the start: it took more than 100 s of a mesh, and was UNDECIDED of both."""
@@ -67,6 +68,7 @@ def test_an_edge_leaves_exactly_at_an_edge(as_mesh):
         assert found[-1].end == pytest.approx(np.degrees(np.arctan2(3, 4)) / 90, abs=1e-14)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("as_mesh", [True, False])
 @pytest.mark.parametrize("seed", range(2))
 def test_lattices(seed, as_mesh):

@@ -46,6 +46,7 @@ SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("scene", SCENES)
 def test_all_times_of_contact_are_told(scene):
     a, b, expected = SCENES[scene]

@@ -48,6 +48,7 @@ WEDGES = [  # in x and z: the sides of the lid and of the frame, from z to x
 ]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("sides", WEDGES)
 def test_wedges_meet_when_their_sides_do(sides):
     """Of wedges with one edge in common, by the angles of their sides."""
@@ -97,6 +98,7 @@ CURVED = [  # the pin; how far the post is from the hinge; the angle between it 
 ]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("pin", "far", "between"), CURVED, ids=["side", "end"])
 def test_an_arm_with_a_round_end_turns_about_its_pin_onto_a_post(pin, far, between):
     """By the sides of the triangle of hinge, end and post; a pin that fits touches all the way, and is let pass."""

@@ -55,6 +55,7 @@ def answered(seed):
     return tree, tuple(tree.course.first_contacts())
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", sorted({*SEEDS, *SHIFTS_IN_IRRATIONAL_POSES}))
 def test_first_contacts_of_random_trees(seed):
     tree, hits = answered(seed)

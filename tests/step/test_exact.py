@@ -96,6 +96,7 @@ def test_points_are_inside_as_open_cascade_has_it(name):
     shapes.same_points(shape, body)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", ["bored ball", "filleted box", "pin", "drilled", "plate", "slotted"])
 def test_edges_and_vertices_are_the_files(name):
     """Those that are derived of the pieces, but for what lies in walls between them, lie on the file's edges."""

@@ -63,6 +63,7 @@ def union(windows):
     return merged
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", range(SEED, SEED + 60))
 def test_times_of_contact_are_the_union_of_those_of_the_boxes(seed):
     dice = random.Random(seed)

@@ -174,6 +174,7 @@ def test_a_body_without_bounds_and_a_body_that_moves(tmp_path):
         found_in(tmp_path, "G1 X1", {"post": post((20, 0, 0)).moving(fc.Translation((1, 0, 0)))})
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("body", "x"), [
     (fc.torus(8, 2).translated((40, 0, 0)), 40 - 8 - 2 - 3),
     (fc.sphere(5).translated((20, 0, 5)), 20 - 5 - 3),
