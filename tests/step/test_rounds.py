@@ -310,3 +310,19 @@ def test_a_graze_that_triangles_miss_is_not_told_as_what_comes_later(depth):
     found = fc.first_contact(ball.moving(path), ring)
     assert found.free_until < 0.25
     assert found.status is fc.Status.UNDECIDED or found.time < 0.25 + 1e-3
+
+
+@pytest.mark.share(2)
+@pytest.mark.parametrize("name", ["pin", "groove", "boss"])
+@pytest.mark.parametrize("lander", ["plate", "pin"])
+def test_all_times_where_parts_land_flat_beside_rounds(lander, name):
+    """Flat faces meet from then on; what touches at the seams of rounds, which no search tells, adds no time."""
+    _, body = made(name)
+    body = body if name != "groove" else body.translated((0, 0, -1))
+    plate = fc.box((9, 9, 1))
+    upside_down = fc.from_shape(pin(), name="lander").rotated((1, 0, 0), degrees=180).translated((0, 0, 5))
+    found = fc.contact_intervals(down(plate if lander == "plate" else upside_down, 0, 0), body)
+    (stay,) = found
+    assert found.status is fc.Status.CONTACT and stay.end == 1.0
+    assert stay.start_interval[0] <= (0.45 if lander == "plate" else 0.5) <= stay.start_interval[1]
+    assert stay.start_interval[1] - stay.start_interval[0] <= 1e-12

@@ -6,7 +6,7 @@ same points.  So the first contact is the earliest of the pieces, and the times 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.compound.compound import as_triangles, both_taken_in, deviation_of
+from firstcontact.body.torus.torus import Torus
 from firstcontact.contact.compound.answer import PieceAnswer, combined, joined
 from firstcontact.contact.compound.windows import PairWindow, side_of, windows
 from firstcontact.errors import InputError, UnsupportedPair
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 ROOM = fmpq(7, 8)
 """Of the enclosure that may be told: how wide it becomes at most where pieces touch nearly at once."""
 
+MOST_PARTS = 4
+"""Of a window, asked about one by one."""
 BESIDE = 16.0
 """Deviations of triangles that these go on at most from where their surfaces touch: along a slope of 1 in 16."""
 
@@ -152,16 +155,59 @@ def _spent(query: Query, window: PairWindow) -> FirstContact:
 
 
 def intervals(query: Query) -> ContactIntervals:
-    """All times at which some pair of pieces is in contact."""
+    """All times at which some pair of pieces is in contact; pairs with tori, which take longer, are asked last, and all
+    of the times alone that others do not fill."""
     from firstcontact.contact import table
 
     _refuse(query)
-    sides = side_of(query.a), side_of(query.b)
-    asked = [_about(query, sides, window, None, query.budget) for window in windows(*sides, query)]
+    sides, told = (side_of(query.a), side_of(query.b)), list[ContactIntervals]()
     try:
-        return joined(query, [table.contact_intervals(x) for x in asked])
+        for window in sorted(windows(*sides, query), key=lambda x: _has_torus(sides, x)):
+            for part in [window] if query.exact else _not_filled(window, told):
+                found = table.contact_intervals(_about(query, sides, part, None, query.budget, whole=True))
+                told.append(_as_early(query, part, found, told))
+        return joined(query, told)
     except Undecidable as reason:
         raise UnsupportedPair("surfaces of a part are all but tangent; its intervals are not decided") from reason
+
+
+def _has_torus(sides: tuple[CompoundSide, CompoundSide], window: PairWindow) -> bool:
+    bodies = sides[0].bodies[window.a], sides[1].bodies[window.b]
+    return any(isinstance(shape_of(x), Torus) for x in bodies)
+
+
+def _not_filled(window: PairWindow, told: Sequence[ContactIntervals]) -> list[PairWindow]:
+    """What of a window lies outside of what is proved to be in contact throughout, with its ends; what happens within
+    the enclosures of these is not told apart."""
+    first, parts = window.first, list[PairWindow]()
+    filled = sorted((exact_value(x.start_interval[0]), exact_value(x.end_interval[1])) for found in told for x in found)
+    for begin, end in filled:
+        if end <= first or (window.last is not None and begin >= window.last):
+            continue
+        if begin > first:
+            parts.append(replace(window, first=first, last=begin))
+        first = end
+        if window.last is not None and first >= window.last:
+            break
+    else:
+        parts.append(replace(window, first=first))
+    return parts if len(parts) <= MOST_PARTS else [window]
+
+
+def _as_early(
+    query: Query, part: PairWindow, found: ContactIntervals, told: Sequence[ContactIntervals]
+) -> ContactIntervals:  # fmt: skip
+    """The answer about times up to a known contact; what it leaves open just before is within that one's enclosure."""
+    until = found.free_until
+    if found.reason != "precision" or until is None or query.last is None or query.exact:
+        return found
+    room = exact_value(query.tolerance) * (query.last - query.first)
+    for x in (x for other in told for x in other):
+        lo, hi = x.start_interval
+        if exact_value(lo) == part.last and exact_value(hi) - exact_value(until) <= room:
+            sooner = replace(x, start_interval=(min(until, lo), hi))
+            return replace(found, status=Status.CONTACT, reason=None, intervals=(*found.intervals, sooner))
+    return found
 
 
 def _refuse(query: Query) -> None:
