@@ -98,14 +98,15 @@ class TorusFree:
     def lies(self, window: Window, t: float) -> str | None:
         """How bodies lie that share inner points; None where that is not proved."""
         roles, cells = self.roles, self.roles.surface
-        for heights in (roles.heights, Outside(roles.heights)):
-            if not len(self._left(window, cells, (t, t), cells.all(), MOST_ROUNDS, heights)):
-                return "containment"
         x = cells.samples()[:, None]
         at = roles.heights.around(self._between(window, cells.off).places(t, t, x).points[:, 0], np.zeros(len(x)))
         told = np.stack([at.values, -at.values]) - 1e3 * at.errors
-        crossing = all(np.any(lower(roles.heights.tree, told, negated) > 0.0) for negated in (False, True))
-        return "overlapping" if crossing else None
+        if all(np.any(lower(roles.heights.tree, told, negated) > 0.0) for negated in (False, True)):
+            return "overlapping"  # points of the surface are in the other body and outside of it
+        for heights in (roles.heights, Outside(roles.heights)):
+            if not len(self._left(window, cells, (t, t), cells.all(), MOST_ROUNDS, heights)):
+                return "containment"
+        return None
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
         cells = self.roles.surface
