@@ -17,6 +17,7 @@ import numpy as np
 from firstcontact.errors import InputError
 from firstcontact.step.bounds import SAFE, CurveBounds, NotBounded, SurfaceBounds, chart_of
 from firstcontact.step.charts import Elementary, elementary
+from firstcontact.step.poles import spread
 from firstcontact.step.sagitta import LONGER, drift, is_round, sagitta
 from firstcontact.step.solids import StepSolid, Use, forward
 
@@ -26,9 +27,9 @@ if TYPE_CHECKING:
     from OCP.Poly import Poly_Triangulation
     from OCP.TopLoc import TopLoc_Location
 
-COARSE, ANGLE = (0.8, 0.4, 0.1, 0.02), 0.6
-"""What OpenCASCADE is asked for: a part of the deviation, the next one where triangles could not be made finer; and the
-angle between sides that follow each other."""
+COARSE = (0.8, 0.6), (0.8, 0.15), (0.4, 0.6), (0.1, 0.6), (0.02, 0.6)
+"""What OpenCASCADE is asked for: a part of the deviation, and the angle between sides that follow each other; the next
+one where triangles fold over each other or could not be made finer."""
 OVER, BESIDE, ALONE = 0.5, 0.45, 0.95
 """Parts of the deviation for what lies over triangles, and for what lies beside them at a face's border; of either
 where the other is nothing."""
@@ -75,9 +76,9 @@ def cut_by(solid: StepSolid, deviation: float, made: Callable[[], Made]) -> Made
     from OCP.BRepTools import BRepTools
 
     folded = ""
-    for share in COARSE:
+    for share, angle in COARSE:
         BRepTools.Clean_s(solid.shape)
-        BRepMesh_IncrementalMesh(solid.shape, share * deviation, False, ANGLE, False)
+        BRepMesh_IncrementalMesh(solid.shape, share * deviation, False, angle, False)
         try:
             return made()
         except Folded as reason:
@@ -255,6 +256,8 @@ class _Builder:
         for k, id_ in enumerate(face.ids):
             if id_ < 0:
                 face.ids[k] = self._number(("face", number, k), surface, *uv[k])
+        face.triangles, face.poles = spread(face.uv, face.ids, face.triangles, face.poles)
+        face.over = [None] * len(face.triangles)
         places = face.places(np.array(uv))
         off = np.linalg.norm(np.array([self.points[k] for k in face.ids]) - places, axis=1)
         face.off += float(off.max())
