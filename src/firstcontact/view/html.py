@@ -108,7 +108,7 @@ def page_text(results: Iterable[Result], assembly: SceneView | None = None) -> s
     meshes, joints = _Meshes(), PageJoints(partial(_base64, dtype=np.float64))
     written = [_pair(pair, meshes, joints) for pair in pairs]
     title = " and ".join(pairs[0].names)
-    content: dict[str, Any] = {"meshes": meshes.written, "pairs": written}
+    content: dict[str, Any] = {"meshes": meshes.written, "shapes": meshes.shapes, "pairs": written}
     if assembly is not None:
         content |= {"unit": assembly.unit, "assembly": _whole(assembly, pairs, meshes, joints)}
     content |= joints.written()
@@ -132,10 +132,12 @@ def _asset(name: str) -> str:
 
 
 class _Meshes:
-    """The meshes of a page, each written once however many pairs name it."""
+    """The meshes of a page, and what of them touches, each written once however many pairs name it."""
 
     def __init__(self) -> None:
         self.written: list[dict[str, Json]] = []
+        self.shapes: list[dict[str, Json]] = []
+        self._shapes: dict[tuple[int, str, int], int] = {}
         self.known: dict[int, Drawing] = {}  # of bodies by their ids, which it keeps alive
         self._index: dict[int, int] = {}
         self._alike: dict[str, int] = {}
@@ -149,6 +151,14 @@ class _Meshes:
             if self._index[id(drawing)] == len(self.written):
                 self.written.append(mesh)
         return self._index[id(drawing)]
+
+    def shape(self, drawing: Drawing, element: Element) -> int:
+        """The number of an element's shape; bodies with one mesh have the same elements."""
+        key = self.index(drawing), element.kind, element.index
+        if key not in self._shapes:
+            self._shapes[key] = len(self.shapes)
+            self.shapes.append(_shape(drawing, element))
+        return self._shapes[key]
 
 
 def _mesh(drawing: Drawing) -> dict[str, Json]:
@@ -298,7 +308,7 @@ def _body(
         "size": size / view.unit,
         **view.motion(body, drawing, times, joints),
         "carried": _carried_point(pair, body, centre, view).tolist(),
-        "elements": [_element(drawing, element, pair.names) for element in elements],
+        "elements": [_element(meshes.shape(drawing, x), x, pair.names) for x in elements],
     }
 
 
@@ -310,15 +320,22 @@ def _carried_point(pair: PairView, body: Body, centre: np.ndarray, view: _View) 
     return -m[:3, :3].T @ m[:3, 3]
 
 
-def _element(drawing: Drawing, element: Element, names: tuple[str, str]) -> dict[str, Json]:
-    """Corners and, for a face, border of an element in the coordinates of its mesh."""
-    centre, size = drawing.frame
-    outline = drawing.outline(element.index) - centre if element.kind == "face" else np.empty((0, 3))
+def _element(shape: int, element: Element, names: tuple[str, str]) -> dict[str, Json]:
+    """shape: its number in the page."""
     return {
         "kind": element.kind,
         "index": element.index,
         "name": str(element),
         "label": "" if element.label in names else element.label,
+        "shape": shape,
+    }
+
+
+def _shape(drawing: Drawing, element: Element) -> dict[str, Json]:
+    """Corners and, for a face, border of an element in the coordinates of its mesh."""
+    centre, size = drawing.frame
+    outline = drawing.outline(element.index) - centre if element.kind == "face" else np.empty((0, 3))
+    return {
         "vertices": ((drawing.corners(element) - centre) / size).ravel().tolist(),
         "outline": (outline / size).ravel().tolist(),
     }

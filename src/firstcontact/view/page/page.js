@@ -3,6 +3,7 @@
 // Positions are in the frame of the page (see html.py); T is a plain array of 12 numbers, a 3x4 pose by rows.
 (() => {
   const DATA = JSON.parse(document.getElementById("data").textContent);
+  for (const pair of DATA.pairs) for (const body of pair.bodies) for (const element of body.elements) Object.assign(element, DATA.shapes[element.shape]);
   const $ = (id) => document.getElementById(id);
   const COLOURS = ["#4f7fa8", "#d9a766"];
   const DARK = ["#1f3e5a", "#7c5217"];
