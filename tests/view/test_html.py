@@ -242,3 +242,20 @@ def test_what_touches_is_written_once_of_bodies_that_are_alike():
     told = [x for pair in data["pairs"] for body in pair["bodies"] for x in body["elements"]]
     assert len(data["shapes"]) == len(alone["shapes"]) < len(told) / 4
     assert any(x["kind"] == "face" for x in told)
+
+
+def test_what_touches_is_its_own_where_meshes_are_alike_but_numbered_otherwise():
+    """A cube of squares and one of triangles have one mesh, and their faces other numbers."""
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    squares = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    cube = fc.Polyhedron(corners, squares)
+    found = [
+        fc.first_contact(x.moving(Translation((4, 0, 0))), x.translated((4, 0.5, 0.25)))
+        for x in (cube, fc.Polyhedron(corners, cube.triangles))
+    ]
+    both = page_data(html.page_text(found))["pairs"]
+    alone = [page_data(html.page_text([x]))["pairs"][0] for x in found]
+    for pair, own in zip(both, alone, strict=True):
+        for body, same in zip(pair["bodies"], own["bodies"], strict=True):
+            told, wanted = ([(x["kind"], x["index"], x["vertices"]) for x in y["elements"]] for y in (body, same))
+            assert told == wanted

@@ -132,12 +132,13 @@ def _asset(name: str) -> str:
 
 
 class _Meshes:
-    """The meshes of a page, and what of them touches, each written once however many pairs name it."""
+    """The meshes of a page, and corners and borders of what of them touches in their coordinates, each written once
+    however many pairs name it."""
 
     def __init__(self) -> None:
         self.written: list[dict[str, Json]] = []
         self.shapes: list[dict[str, Json]] = []
-        self._shapes: dict[tuple[int, str, int], int] = {}
+        self._shapes: dict[tuple[bytes, bytes], int] = {}
         self.known: dict[int, Drawing] = {}  # of bodies by their ids, which it keeps alive
         self._index: dict[int, int] = {}
         self._alike: dict[str, int] = {}
@@ -153,12 +154,15 @@ class _Meshes:
         return self._index[id(drawing)]
 
     def shape(self, drawing: Drawing, element: Element) -> int:
-        """The number of an element's shape; bodies with one mesh have the same elements."""
-        key = self.index(drawing), element.kind, element.index
-        if key not in self._shapes:
-            self._shapes[key] = len(self.shapes)
-            self.shapes.append(_shape(drawing, element))
-        return self._shapes[key]
+        """The number of an element's shape; those that float32 does not tell apart are one, as meshes are."""
+        centre, size = drawing.frame
+        outline = drawing.outline(element.index) - centre if element.kind == "face" else np.empty((0, 3))
+        parts = (drawing.corners(element) - centre) / size, outline / size
+        vertices, border = (x.astype(np.float32).tobytes() for x in parts)
+        number = self._shapes.setdefault((vertices, border), len(self.shapes))
+        if number == len(self.shapes):
+            self.shapes.append(dict(zip(("vertices", "outline"), (x.ravel().tolist() for x in parts), strict=True)))
+        return number
 
 
 def _mesh(drawing: Drawing) -> dict[str, Json]:
@@ -328,16 +332,6 @@ def _element(shape: int, element: Element, names: tuple[str, str]) -> dict[str, 
         "name": str(element),
         "label": "" if element.label in names else element.label,
         "shape": shape,
-    }
-
-
-def _shape(drawing: Drawing, element: Element) -> dict[str, Json]:
-    """Corners and, for a face, border of an element in the coordinates of its mesh."""
-    centre, size = drawing.frame
-    outline = drawing.outline(element.index) - centre if element.kind == "face" else np.empty((0, 3))
-    return {
-        "vertices": ((drawing.corners(element) - centre) / size).ravel().tolist(),
-        "outline": (outline / size).ravel().tolist(),
     }
 
 

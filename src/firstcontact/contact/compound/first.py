@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 ROOM = fmpq(7, 8)
 """Of the enclosure that may be told: how wide it becomes at most where pieces touch nearly at once."""
-
 MOST_PARTS = 4
 """Of a window, asked about one by one."""
 BESIDE = 16.0
@@ -205,8 +204,10 @@ def _as_early(
     for x in (x for other in told for x in other):
         lo, hi = x.start_interval
         if exact_value(lo) == part.last and exact_value(hi) - exact_value(until) <= room:
-            sooner = replace(x, start_interval=(min(until, lo), hi))
-            return replace(found, status=Status.CONTACT, reason=None, intervals=(*found.intervals, sooner))
+            known = *found.intervals, replace(x, start_interval=(min(until, lo), hi))
+            begins = known[0].start_interval[1] <= found.span[0]
+            status = Status.INITIAL_CONTACT if begins else Status.CONTACT
+            return replace(found, status=status, reason=None, intervals=known)
     return found
 
 

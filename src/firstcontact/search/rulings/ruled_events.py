@@ -328,7 +328,7 @@ class RulingSearch:
         """
         listed = self.listed(lo, width, hi - lo + width, budget)
         event = self._first_of(listed) if listed else None
-        if listed is None or event is None:
+        if listed is None or event is None or event.time_interval[0] > hi:  # another one, not proved, is the first
             return None
         return max(lo, min(_low(x.time) for x in listed)), event, len(listed) == 1
 
