@@ -5,7 +5,6 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
@@ -143,7 +142,7 @@ class Query:
     begin: float = field(default_factory=clock.perf_counter)
     enough: fmpq | None = None
 
-    @cached_property
+    @property
     def span(self) -> tuple[float, float]:
         """The span in doubles."""
         return to_double(self.first), float("inf") if self.last is None else to_double(self.last)
@@ -196,7 +195,7 @@ class Query:
 
     def work(self) -> Work:
         """A new account of the work, with all of the budget."""
-        return Work(self.budget, self.progress, below(self.first))
+        return Work(self.budget, self.progress, below(self.first) if self.first else 0.0)
 
     def stats(self, node_visits: int = 0, pair_tests: int = 0, exact_evaluations: int = 0) -> Stats:
         """The work done, and the time since the question was asked."""

@@ -101,6 +101,8 @@ def rational(x: Given, what: str) -> fmpq:
 
 def positive_double(x: object, what: str, kind: str = "number") -> float:
     """A positive number whose double is positive and finite too, as that double."""
+    if type(x) is float and 0.0 < x < math.inf:
+        return x
     try:
         value = float(x) if isinstance(x, Real) else math.nan
     except OverflowError:

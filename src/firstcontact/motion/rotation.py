@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.errors import InputError, shown
-from firstcontact.exact.numbers import fraction, rational, to_double
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import fraction, to_double
 from firstcontact.exact.vectors import Vector, add
-from firstcontact.motion.translation import LARGEST, SPAN, double_of, vector3
+from firstcontact.motion.translation import SPAN, bounded, double_of, vector3
 from firstcontact.motion.value import Motion, number, numbers
 
 if TYPE_CHECKING:
@@ -105,12 +105,11 @@ def read_angle(what: str, radians: Given, degrees: Given, turns: Given) -> tuple
     """(angle, "radians" | "turns") of the one keyword given."""
     if (radians is not None) + (degrees is not None) + (turns is not None) != 1:
         raise InputError(f"{what} needs exactly one of radians=, degrees=, turns=")
-    given = {"radians": radians, "degrees": degrees, "turns": turns}
-    key = next(key for key, value in given.items() if value is not None)
-    angle = rational(given[key], f"{what} {key}")
-    if abs(angle) >= LARGEST:
-        raise InputError(f"{what} {key} is {shown(given[key])}; give a number below 2^150")
-    return (angle / 360, "turns") if key == "degrees" else (angle, key)
+    if radians is not None:
+        return bounded(radians, f"{what} radians"), "radians"
+    if turns is not None:
+        return bounded(turns, f"{what} turns"), "turns"
+    return bounded(degrees, f"{what} degrees") / 360, "turns"
 
 
 def _rebuild(axis: Iterable[Given], point: Iterable[Given], unit: str, angle: Given) -> Rotation:

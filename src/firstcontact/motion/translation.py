@@ -30,17 +30,19 @@ def vector3(values: Iterable[Given], what: str) -> tuple[fmpq, fmpq, fmpq]:
         x, y, z = values
     except (TypeError, ValueError) as error:
         raise InputError(f"{what} is {shown(values)}; give three numbers") from error
-    return _component(x, what, 0), _component(y, what, 1), _component(z, what, 2)
+    return bounded(x, what, 0), bounded(y, what, 1), bounded(z, what, 2)
 
 
-def _component(x: Given, what: str, k: int) -> fmpq:
+def bounded(x: Given, what: str, place: int | None = None) -> fmpq:
+    """The exact number, which lies below LARGEST; InputError names `what`, or its entry at that place."""
     if isinstance(x, float):
         x = float(x)  # NumPy's own are slow
         if -(2.0**150) < x < 2.0**150:
             return fmpq(*x.as_integer_ratio())
-    value = rational(x, f"{what}[{k}]")
+    named = what if place is None else f"{what}[{place}]"
+    value = rational(x, named)
     if abs(value) >= LARGEST:
-        raise InputError(f"{what}[{k}] is {shown(x)}; give a number below 2^150")
+        raise InputError(f"{named} is {shown(x)}; give a number below 2^150")
     return value
 
 

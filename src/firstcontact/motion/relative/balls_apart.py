@@ -59,6 +59,8 @@ def are_apart(piece: CurvedPiece, a: Ball, b: Ball) -> bool:
 def turn_apart(axis: Vector, point: Vector, angle: tuple[fmpq, fmpq], a: Ball, b: Ball) -> bool:
     """The same where a turns about a line by (radians, turns) and b rests: how near the arc of a's centre comes to b's.
     """
+    if math.dist(a.centre, b.centre) < a.radius + b.radius:
+        return False
     h, p = [to_double(x) for x in axis], [to_double(x) for x in point]
     length = math.hypot(*h)
     u = [x / length for x in h]

@@ -23,7 +23,7 @@ from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross, dot, scaled, sub
 from firstcontact.motion.moving import Moving
-from firstcontact.motion.placement import Placement, Turn, angle_of
+from firstcontact.motion.placement import HERE, Placement, Turn, angle_of
 from firstcontact.motion.product import Product
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
@@ -157,6 +157,8 @@ def _step_at(steps: list[Step], time: fmpq) -> Step:
 def _steps(body: Body) -> list[Step]:
     if not isinstance(body, Moving):
         return [RESTING]
+    if isinstance(body.motion, SIMPLE):
+        return [Step(_0, None, body.motion, HERE)]
     for k, part in enumerate(getattr(body.motion, "steps", [body.motion])):
         if not isinstance(part, SUPPORTED):
             where = f"step {k} of the Sequence, " if isinstance(body.motion, Sequence) else ""
@@ -253,8 +255,7 @@ def _rate(step: Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
         if any(cross(motion.axis, lead.axis)) or any(cross(sub(motion.point, lead.point), lead.axis)):
             return None
         sense = 1 if dot(motion.axis, lead.axis) > 0 else -1
-    radians, turns = angle_of(motion, sense / step.unit)
-    return radians, turns
+    return angle_of(motion, fmpq(sense) if step.end is None and step.clock is None else sense / step.unit)
 
 
 def _who(body: Body, default: str = "a body") -> str:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import fmpq, fmpz
 
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.exact.rigid import Matrix, apply
-from firstcontact.exact.vectors import Vector, scaled, whole
+from firstcontact.exact.vectors import Vector, scaled, whole, whole_doubles
 from firstcontact.pairs.elements.line_line import segments_meet
 from firstcontact.pairs.elements.segment_facet import APART, relation
 from firstcontact.search.trees.state import EDGE_EDGE, EDGE_FACE, FACE_EDGE, FACE_VERTEX, VERTEX_FACE
@@ -66,22 +65,25 @@ def corners_of(body: Polyhedron, element: Feature) -> list[VectorOf[fmpq]]:
 
 
 class WholeCorners:
-    """The corners of elements of two bodies and one vector, all times one scale that makes them whole numbers.
+    """The corners of elements of two bodies and one vector, all times a scale that makes them whole numbers.
 
-    Sums of whole numbers have no denominators to find, and vertices that many elements share are read once: the scale
-    grows as vertices ask for it.  Where it would grow beyond `MOST_BITS`, elements have scales of their own.
+    Sums of whole numbers have no denominators to find.  The first pair of elements, mostly the only one, has a scale of
+    its own, which is soonest done; all others share one, and vertices that many elements share are read once: the scale
+    grows as vertices ask for it.  Where it would grow beyond `MOST_BITS`, elements have scales of their own again.
     number: what they are of, fmpz or, quicker as far as some 200 bits, int; balls in irrational poses stay balls.
     """
 
     def __init__(self, a: Polyhedron, b: Polyhedron, vector: Vector, number: type = fmpz) -> None:
         self.bodies, self.number = (a, b), number
         self._are_balls = a.irrational_pose is not None or b.irrational_pose is not None
+        self._are_doubles = a.error == b.error == 0.0
         self._per, (self._vector,) = whole(vector)
-        self._scaled_by(self._per)
+        self._is_first = True
+        self._scaled_by(None)
 
-    def _scaled_by(self, scale: fmpz) -> None:
-        self._least, self._scale = scale, self.number(scale)
-        self._common = self._as_numbers(scaled(scale // self._per, self._vector))
+    def _scaled_by(self, scale: fmpz | None) -> None:
+        self._scale: Scale | None = None if scale is None else self.number(scale)
+        self._common = self._vector if scale is None else self._as_numbers(scaled(scale // self._per, self._vector))
         self._places: tuple[dict[int, Vector], dict[int, Vector]] = {}, {}
 
     def of(self, element_a: Feature, element_b: Feature) -> tuple[Scale, list[Vector], list[Vector], Vector]:
@@ -91,36 +93,45 @@ class WholeCorners:
             x, y = ([scaled(self._per, p) for p in corners_of(*of)] for of in ((a, element_a), (b, element_b)))
             return self._per, x, y, self._vector
         first, second = vertices_of(a, element_a), vertices_of(b, element_b)
+        if self._is_first:
+            self._is_first = False
+            return self._alone(first, second)
         while True:
-            scale = self._least
+            scale = self._scale
             x, y = [self._place(0, v) for v in first], [self._place(1, v) for v in second]
-            if self._least.bit_length() > MOST_BITS:
-                self._scaled_by(self._per)
-                return self._alone(corners_of(a, element_a), corners_of(b, element_b))
-            if self._least == scale:
-                return self._scale, x, y, self._common
+            if self._scale is scale and scale is not None:
+                return scale, x, y, self._common
+            if self._scale is None or self._scale.bit_length() > MOST_BITS:
+                self._scaled_by(None)
+                return self._alone(first, second)
 
     def _place(self, side: int, vertex: int) -> Vector:
         found = self._places[side].get(vertex)
         if found is None:
-            p = self.bodies[side].exact_vertex(vertex)
-            scale = self._least
-            for c in p:
-                if scale % c.q:
-                    scale = scale.lcm(c.q)
-            if scale != self._least:
-                scale <<= SPARE
-                self._scaled_by(scale)
-            x, y, z = p
-            place = x.p * (scale // x.q), y.p * (scale // y.q), z.p * (scale // z.q)
-            found = self._places[side][vertex] = self._as_numbers(place)
+            body, scale, number = self.bodies[side], self._scale, self.number
+            if self._are_doubles:
+                (x, p), (y, q), (z, r) = [c.as_integer_ratio() for c in body.vertices[vertex].tolist()]
+            else:
+                (x, p), (y, q), (z, r) = [(number(c.p), number(c.q)) for c in body.exact_vertex(vertex)]
+            if scale is None or scale % p or scale % q or scale % r:
+                self._scaled_by(self._per.lcm(fmpz(scale or 1)).lcm(p).lcm(q).lcm(r) << SPARE)
+                scale = self._scale
+            found = number(x) * (scale // p), number(y) * (scale // q), number(z) * (scale // r)
+            self._places[side][vertex] = found
         return found
 
-    def _alone(self, x: list[Vector], y: list[Vector]) -> tuple[Scale, list[Vector], list[Vector], Vector]:
-        scale, points = whole(*x, *y, per=self._per)
-        numbers = [self._as_numbers(p) for p in points]
-        vector = self._as_numbers(scaled(scale // self._per, self._vector))
-        return self.number(scale), numbers[: len(x)], numbers[len(x) :], vector
+    def _alone(self, first: list[int], second: list[int]) -> tuple[Scale, list[Vector], list[Vector], Vector]:
+        """The same of vertices by a scale of their own."""
+        a, b = self.bodies
+        if self._are_doubles:  # the coordinates are the vertices' doubles
+            doubles = [a.vertices[v].tolist() for v in first] + [b.vertices[v].tolist() for v in second]
+            scale, points = whole_doubles(doubles, self._per, self.number)
+        else:
+            exact = [a.exact_vertex(v) for v in first] + [b.exact_vertex(v) for v in second]
+            scale, points = whole(*exact, per=self._per)
+            points = [self._as_numbers(p) for p in points]
+        vector = self._as_numbers(scaled(fmpz(scale) // self._per, self._vector))
+        return self.number(scale), points[: len(first)], points[len(first) :], vector
 
     def _as_numbers(self, x: Vector) -> Vector:
         return x if self.number is fmpz else (int(x[0]), int(x[1]), int(x[2]))
@@ -131,14 +142,20 @@ class Corners:
 
     def __init__(self, a: Polyhedron, b: Polyhedron, vector: Vector) -> None:
         self._of = a, b, vector
+        self._whole: WholeCorners | None = None
+        self._ints: WholeCorners | None = None
 
-    @cached_property
+    @property
     def whole(self) -> WholeCorners:
-        return WholeCorners(*self._of, fmpz)
+        if self._whole is None:
+            self._whole = WholeCorners(*self._of, fmpz)
+        return self._whole
 
-    @cached_property
+    @property
     def ints(self) -> WholeCorners:
-        return WholeCorners(*self._of, int)
+        if self._ints is None:
+            self._ints = WholeCorners(*self._of, int)
+        return self._ints
 
 
 class Primitive:

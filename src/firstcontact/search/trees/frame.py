@@ -148,11 +148,11 @@ def _main_direction(units: np.ndarray, areas: np.ndarray) -> tuple[float, np.nda
 
 def tree_of(body: Polyhedron) -> Tree:
     """The tree in the world's axes, its parts the doubles of the body; made on first use and kept on the body."""
-    def made() -> Tree:
-        frame, built = _structure(body)
-        return built if frame is None else _refit_tree(body, _WORLD)
-
-    return _TREE.of(body, made)
+    known = _TREE.get(body)
+    if known is not None:
+        return known
+    frame, built = _structure(body)
+    return _TREE.put(body, built if frame is None else _refit_tree(body, _WORLD))
 
 
 def view_in(body: Polyhedron, frame: Frame) -> Tree:
@@ -170,16 +170,18 @@ def view_in(body: Polyhedron, frame: Frame) -> Tree:
 
 def _structure(body: Polyhedron) -> tuple[Frame | None, Tree]:
     """The tree as it is built, in the body's natural frame (None: the world's axes): all views share its links."""
-    def made() -> tuple[Frame | None, Tree]:
-        frame = natural_frame(body)[1]
-        vertices, error = body.vertices, body.error
-        if frame is not None:
-            vertices, error = vertices @ np.array(frame).T, _framed_error(body, frame)
-        if body.translate_of is not None:
-            return frame, _translated(_structure(body.translate_of)[1], vertices, error)
-        return frame, build(body, np.ascontiguousarray(vertices), error)
-
-    return _STRUCTURE.of(body, made)
+    known = _STRUCTURE.get(body)
+    if known is not None:
+        return known
+    frame = natural_frame(body)[1]
+    vertices, error = body.vertices, body.error
+    if frame is not None:
+        vertices, error = vertices @ np.array(frame).T, _framed_error(body, frame)
+    if body.translate_of is not None:
+        built = _translated(_structure(body.translate_of)[1], vertices, error)
+    else:
+        built = build(body, np.ascontiguousarray(vertices), error)
+    return _STRUCTURE.put(body, (frame, built))
 
 
 def _translated(built: Tree, vertices: np.ndarray, error: float) -> Tree:

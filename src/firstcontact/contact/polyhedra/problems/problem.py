@@ -57,10 +57,15 @@ def problems_in_order(
 
     That is so in the first one, in which both bodies stand as the span starts, and after a jump.  Raises Spent.
     """
+    piece = parts[0]
+    if len(parts) == 1 and isinstance(piece, MotionPiece) and piece.reference == piece.start:
+        if piece.velocity is not None or not _may_be_skipped(a, b, piece):  # a translation is searched as quickly
+            whole: Any = problem_of(a, b, piece, engine, threads)
+            yield whole, True
+        return
     before: MotionPiece | CurvedPiece | None = None
-    straight = len(parts) == 1 and isinstance(parts[0], MotionPiece) and parts[0].velocity is not None
     for piece in stretches(a, b, parts, work or Work()):
-        if not straight and _may_be_skipped(a, b, piece):  # one translation is searched as quickly
+        if _may_be_skipped(a, b, piece):
             before = piece
             continue
         if isinstance(piece, CurvedPiece):
@@ -150,5 +155,4 @@ def _boxes_apart(a: Polyhedron, b: Polyhedron) -> bool:
 
 
 def _placed(a: Body, b: Body, piece: MotionPiece) -> tuple[Polyhedron, Polyhedron]:
-    body_a, body_b = (shape_of(body) for body in (a, b))
-    return piece.place_a.place(body_a), piece.place_b.place(body_b)
+    return piece.place_a.place(shape_of(a)), piece.place_b.place(shape_of(b))
