@@ -22,6 +22,7 @@ from firstcontact.contact.models.at_rest import (
     pose_in_doubles,
     relation_at,
     soon_told,
+    whole_faces,
 )
 from firstcontact.contact.models.contact_sets import Shared, shared_part
 from firstcontact.contact.models.membership import extent
@@ -32,6 +33,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision, to_double
 from firstcontact.exact.systems.square_systems import EnclosedRoot, OpenRoot
+from firstcontact.pairs.carriers.quadric_quadric import COINCIDE
 from firstcontact.search.convex.relation import Relation
 from firstcontact.timeline.lasting import LastingOfModels, LastingSolid
 from firstcontact.work import Work
@@ -298,8 +300,8 @@ def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
     if isinstance(root, OpenRoot):
         raise Undecidable(root.reason)
     contacts = task.contacts(root)
-    if not contacts.found:
-        return [], contacts.reason
+    if contacts.same and not (task.a in whole_faces(task.pair.a) and task.b in whole_faces(task.pair.b)):
+        return [], COINCIDE  # what bounds the faces tells
     on_a, on_b = extent(task.pair.a, task.a, task.on[0]), extent(task.pair.b, task.b, task.on[1])
     meetings, reasons = [], []
     for contact in contacts.found:
@@ -307,4 +309,6 @@ def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
         meetings += [Meeting(candidate, part, contact.multiplier) for part in shared]
         if reason:
             reasons.append(reason)
-    return meetings, "" if meetings else "; ".join(dict.fromkeys(reasons))
+    if contacts.same and not meetings:
+        raise Undecidable(f"{task.a.name} and {task.b.name} become one surface")
+    return meetings, "" if meetings else "; ".join(dict.fromkeys(reasons)) or contacts.reason

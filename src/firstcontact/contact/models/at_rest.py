@@ -131,7 +131,7 @@ def _meet_around(a: CompositeQuadric, b: CompositeQuadric, p: Vector) -> bool | 
 
 def coincide(pair: MovingPair, u: fmpq) -> bool:
     """Whether a whole closed surface is a face of both at u: no edge tells, then, that the models touch."""
-    if not (_whole_faces(pair.a) and _whole_faces(pair.b)):
+    if not (whole_faces(pair.a) and whole_faces(pair.b)):
         return False
     return not _whole_surfaces(placed(pair, u)).isdisjoint(_whole_surfaces(pair.b))
 
@@ -201,7 +201,7 @@ def is_containment(pair: MovingPair, u: fmpq) -> bool:
     return _solid(lambda: a - b) is None or _solid(lambda: b - a) is None
 
 
-def _whole_faces(model: CompositeQuadric) -> list[Face]:
+def whole_faces(model: CompositeQuadric) -> list[Face]:
     """The faces that nothing bounds."""
     bounded = {k for edge in (*model.edges, *model.seams) for k in edge.faces}
     return [face for face in model.faces if face.index not in bounded]
@@ -209,7 +209,7 @@ def _whole_faces(model: CompositeQuadric) -> list[Face]:
 
 def _whole_surfaces(model: CompositeQuadric) -> set[Vector]:
     """Of the faces that nothing bounds, as forms up to a factor."""
-    forms = (face.carrier.matrix() for face in _whole_faces(model))
+    forms = (face.carrier.matrix() for face in whole_faces(model))
     return {upright(tuple(x for row in form for x in row)) for form in forms}
 
 

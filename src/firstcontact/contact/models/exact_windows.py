@@ -112,6 +112,8 @@ def _windows(search: CandidateSearch, free_until: float) -> Iterator[tuple[Windo
         if not apart and _share(search, (lo + piece.u_hi) / 2, passed if start else None):
             yield start or before, WindowEnd(search, None, piece.end)
             return
+        if apart and search.may_share_a_point_at_end():
+            raise UnsupportedPair("the models share a point though no candidate is a contact")
     if start is not None:
         yield start, before
 

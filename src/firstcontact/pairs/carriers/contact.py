@@ -90,10 +90,15 @@ class Contact:
 
 @dataclass(frozen=True)
 class Contacts:
-    """Real contact sets at one root, and the reason when there are none (or what the root is besides)."""
+    """Real contact sets at one root, and the reason when there are none (or what the root is besides).
+
+    same  whether the carriers are one surface there: the sets are some of what they share, and none where the surface
+          has no centre
+    """
 
     found: tuple[Contact, ...]
     reason: str = ""
+    same: bool = False
 
 
 def nothing(reason: str) -> Contacts:
@@ -167,4 +172,4 @@ def gather(sets: list[Contacts], otherwise: str) -> Contacts:
     """All of them in one; the reasons of the empty ones, or `otherwise` when there is no set at all."""
     found = tuple(contact for s in sets for contact in s.found)
     reasons = dict.fromkeys(s.reason for s in sets if s.reason)
-    return Contacts(found, "; ".join(reasons) or ("" if found else otherwise))
+    return Contacts(found, "; ".join(reasons) or ("" if found else otherwise), any(s.same for s in sets))
