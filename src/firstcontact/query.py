@@ -178,8 +178,8 @@ def intersection_curve(
     tolerance = positive_double(tolerance, "tolerance", "length")
     search = verbs if set(table.kinds_of(p, q)) == {table.Kind.RULED} else solid_verbs
     try:
-        curve: IntersectionCurve = search.intersection_curve(p, q, tolerance, method, box)
-        return curve
+        found: IntersectionCurve = search.curve(p, q, tolerance, method, box)
+        return found
     except PrecisionExhausted as error:
         raise UnsupportedPair(
             f"the curve of {p!r} and {q!r} asks for too many digits ({error}); move a body a little, or scale both"

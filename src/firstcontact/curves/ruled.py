@@ -30,7 +30,7 @@ METHODS = ("auto", "algebraic", "certified")
 SMALL = 20
 
 
-def intersection_curve(
+def curve(
     p: Ruled, q: Ruled, tolerance: float, method: str, box: Iterable[Iterable[Given]] | None
 ) -> IntersectionCurve:
     """All points that the two surfaces share."""

@@ -42,7 +42,7 @@ MOST_FACETS = 2000
 """Pairs of a piece and a facet near it; some 10 ms each."""
 
 
-def intersection_curve(
+def curve(
     p: Shape, q: Shape, tolerance: float, method: str, box: Iterable[Iterable[Given]] | None
 ) -> IntersectionCurve:
     """All points that a ruled surface shares with the boundary of a solid or a polyhedron; either may come first."""
