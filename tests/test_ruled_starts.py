@@ -232,3 +232,24 @@ def test_depths_and_gaps_of_any_size(seed):
     else:
         assert (hit.status, hit.time) == (INITIAL, 0)
         assert hit.initial in (("overlapping", "containment") if depth else ("touching",))
+
+
+SIDE, NEXT = fc.RuledSurface("(u, 0, 0)", "(u, 1, 0)"), fc.RuledSurface("(u, 1, 0)", "(u, 2, 0)")
+
+
+TROUGH = fc.RuledSurface("(u, 1/4, (u - 1/2)**2)", "(u, 1, (u - 1/2)**2)")
+
+
+@pytest.mark.parametrize(
+    "other", [NEXT, NEXT.translated((1, 0, 0)), TROUGH], ids=["along an edge", "in a corner", "tangent"]
+)
+@pytest.mark.parametrize(
+    "motion", [fc.Translation((0, 1, 2)), fc.Rotation((1, 0, 0), degrees=30)], ids=["shift", "turn"]
+)
+def test_times_of_pieces_that_touch_at_the_start_and_part(other, motion):
+    """Doubles tell neither contact nor none at the start, and have no finer arithmetic to ask: they leave it open."""
+    alone = fc.contact_intervals(SIDE, other.moving(motion), method="certified")
+    assert alone.status is fc.Status.UNDECIDED
+    assert alone.free_until == 0.0
+    for pair in ((SIDE, other.moving(motion)), (other.moving(motion), SIDE)):
+        assert [(x.start, x.end) for x in fc.contact_intervals(*pair)] == [(0.0, 0.0)]

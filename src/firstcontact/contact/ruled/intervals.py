@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from flint import fmpq
@@ -190,8 +190,14 @@ class _Free:
     def at(self, way: TimeWay, t: float) -> bool:
         return self.pair.state(way, t) is False
 
+    def until(self, way: TimeWay, t: float, end: float) -> tuple[float, list[np.ndarray]]:
+        raise NotImplementedError  # the sweep's own `touch` passes free time
+
     def near_start(self, way: TimeWay) -> list[np.ndarray]:
         return []
+
+    def passage(self, way: TimeWay, t: float) -> None:
+        return None
 
 
 class _Lasting:
@@ -252,8 +258,7 @@ class _RuledSweep(TimeSweep[TimeWay]):
         span = way.last - way.first
         width = max(tolerance * span, 10 * ROUNDINGS * max(abs(way.first), abs(way.last)))
         self.pair = _PieceTimes(p, q, span, 0.1 * width, work.budget)
-        free: Any = _Free(self.pair)  # more is not asked of it here
-        super().__init__(free, _Lasting(self.pair), [way], width, work, lambda: None)
+        super().__init__(_Free(self.pair), _Lasting(self.pair), [way], width, work, lambda: None)
 
     def run(self) -> Found:
         found = super().run()
