@@ -21,6 +21,7 @@ import firstcontact
 from firstcontact import query
 from firstcontact.kernels import cache, notices
 from firstcontact.kernels.parts import KernelPart
+from firstcontact.kernels.roomy import roomy
 from firstcontact.kernels.thrift import effort
 from firstcontact.search.trees import translate, walk
 from firstcontact.search.trees.frame import twice_area_vectors
@@ -376,6 +377,33 @@ def test_thrifty_compiling_makes_the_same_code(tmp_path):
 
     assert told("thrifty") == told("plain")
     assert told("thrifty").splitlines()[1] == "negative 0"  # what one process kept serves another
+
+
+def _faults_of_calls():
+    """Pages asked of the system by calls, at each depth of the stack of frames."""
+    import resource  # noqa: PLC0415 (not there on Windows)
+
+    def below(depth):
+        if depth:
+            return below(depth - 1)
+        before = resource.getrusage(resource.RUSAGE_THREAD).ru_minflt
+        for _ in range(100):
+            _nothing()
+        return resource.getrusage(resource.RUSAGE_THREAD).ru_minflt - before
+
+    return sum(map(below, range(300)))
+
+
+def _nothing():
+    """A call whose frame is larger than those below it, so that somewhere it is the first one of a chunk."""
+
+
+_nothing.__code__ = _nothing.__code__.replace(co_stacksize=100)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="faults of a thread are counted there")
+def test_calls_with_room_ask_for_no_memory_whenever_they_are_made():
+    assert roomy(_faults_of_calls) < 100 <= _faults_of_calls()  # at some depth, by each of a hundred calls
 
 
 def test_walks_that_llvm_tries_its_hardest_at_are_there():

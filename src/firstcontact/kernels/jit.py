@@ -16,6 +16,7 @@ from numba.extending import overload
 
 from firstcontact.kernels.cache import FOLDER, IMPLEMENTATIONS, KernelCache
 from firstcontact.kernels.parts import KernelPart, PartOrWhole, compiling, keep_parts, within_another
+from firstcontact.kernels.roomy import roomy
 
 try:
     import fcntl
@@ -47,7 +48,7 @@ def kernel(function: Callable[..., Any], allocates: bool = True, inlined: bool =
             arguments = normalize_signature(signature)[0]
             if not within_another() and arguments in known and isinstance(known[arguments].library, KernelPart):
                 del known[arguments]
-            return compile_or_load(signature)
+            return compile_or_load(signature) if within_another() else roomy(compile_or_load, signature)
 
     def of_numbers(arguments: Any, named: Any) -> Any:
         """Once for all numbers that callers write out, not once for each."""
