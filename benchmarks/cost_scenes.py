@@ -421,3 +421,11 @@ def _cusp() -> Question:
     p = fc.RuledSurface("(u, u-u**2-u**3+2*T, 0)", "(u, u-u**2-u**3+2*T, 1)", u=(-1, F(3, 2))).transformed(skew)
     q = fc.RuledSurface("(u**2, u**3, T-2)", "(u**2, u**3, T-1)", u=(-1, F(1, 3))).transformed(skew)
     return lambda: str(fc.contact_condition(p, q))
+
+
+@row("quarter of a tube that turns about a quarter rod of its radius, intervals", "28 s, exact 4.6 s", 30)
+def _quarter_tube() -> Question:
+    cosine, sine = "(1-u**2)/(1+u**2)", "2*u/(1+u**2)"
+    tube = fc.RuledSurface(f"({cosine}, {sine}, 0)", f"({cosine}, {sine}, 2)", u=(0, 1))
+    rod = fc.cylinder(1, 2).translated((0, 0, 1)) & fc.box((4, 4, 8)).translated((-2, -2, 0))
+    return intervals(tube.moving(fc.Rotation((0, 0, 1), degrees=360)), rod)
