@@ -134,7 +134,7 @@ def tight_box(body: CompositeQuadric, box: Box) -> tuple[np.ndarray, np.ndarray]
     A coordinate is largest at a vertex, on an edge or where a face's tangent plane is level; on cones and cylinders
     such points form rulings, which end on edges.  Where edges are of degree 4, cells that may be inside are used.
     """
-    lo, hi = _outward(box)
+    lo, hi = outward(box)
     curves = [*body.edges, *body.seams]
     if any(isinstance(e.carrier, QuarticCurve) for e in curves):
         new_lo, new_hi = hull_of_cells(body, box)
@@ -208,14 +208,15 @@ def _level_planes(a: fmpq, b: fmpq, c: fmpq) -> list[tuple[arb, arb]]:
     return [((arb(b) - w) / arb(a), w) for w in (root, -root)]
 
 
-def _outward(box: Box) -> tuple[np.ndarray, np.ndarray]:
+def outward(box: Box) -> tuple[np.ndarray, np.ndarray]:
+    """The corners as doubles that hold the box."""
     lo = np.array([math.nextafter(to_double(x), -math.inf) for x in box[0]])
     return lo, np.array([math.nextafter(to_double(x), math.inf) for x in box[1]])
 
 
 def hull_of_cells(body: CompositeQuadric, box: Box, n: int = 16) -> tuple[np.ndarray, np.ndarray]:
     """The hull of the cells of ever finer grids, n along a side, that may hold points of the solid: (3,) corners."""
-    lo, hi = _outward(box)
+    lo, hi = outward(box)
     forms = [_form_f(s) for s in body.surfaces]
     for _ in range(3):
         centre, half = cells_of(lo, hi, n)

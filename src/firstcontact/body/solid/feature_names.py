@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from os.path import commonprefix
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -182,11 +183,9 @@ def _extreme(height: float | None, others: Sequence[float | None]) -> str | None
 def _shared_prefix(names: list[str]) -> str:
     """ "plate.x+/y+" for "plate.x+" and "plate.y+"."""
     paths = [name.split(".") for name in names]
-    shared = 0
-    while all(len(path) > shared + 1 and path[shared] == paths[0][shared] for path in paths):
-        shared += 1
-    tail = "/".join(".".join(path[shared:]) for path in paths)
-    return ".".join([*paths[0][:shared], tail])
+    shared = commonprefix([path[:-1] for path in paths])
+    tail = "/".join(".".join(path[len(shared) :]) for path in paths)
+    return ".".join([*shared, tail])
 
 
 def unique(names: Iterable[str]) -> list[str]:

@@ -16,7 +16,6 @@ import numpy as np
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.body.solid import primitives
 from firstcontact.body.solid.carriers import QuarticCurve, doubles
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
@@ -27,7 +26,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.kernels.events.event_search import FREE, GOING, SPENT
 from firstcontact.motion.relative.stretches import Window
-from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
+from firstcontact.search.convex.convex import NotConvex, convex_pieces, covering_pieces
 from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Touch, first_of_each
 from firstcontact.search.events import events
 from firstcontact.search.events.charts import NotCharted, charts_of
@@ -67,16 +66,6 @@ def search_of(
         return HoledSearch(mesh, model, mesh_is_a, budget, progress)
 
 
-def _cover(model: CompositeQuadric) -> ConvexPieces:
-    """Convex pieces that cover the model, at worst its box."""
-    try:
-        return covering_pieces(model)
-    except NotConvex:
-        lo, hi = model.bounds()
-        wide = (hi - lo) * (1.0 + 2.0**-40) + 2.0**-40 * np.abs([lo, hi]).max()
-        return convex_pieces(primitives.box(wide.tolist()).translated((0.5 * (lo + hi)).tolist()))
-
-
 @dataclass(frozen=True)
 class _Stop:
     """A slab of time, the first one that may hold an event of a group; boxes: those that survive there."""
@@ -102,8 +91,7 @@ class HoledSearch(MeshSearch):
             charts_of(model)
         except NotCharted as reason:
             raise UnsupportedPair(f"{who} meets small convex polyhedra only: {reason}") from reason
-        pieces = _cover(model)
-        super().__init__(mesh, pieces, mesh_is_a, budget, progress)
+        super().__init__(mesh, covering_pieces(model), mesh_is_a, budget, progress)
         self.mesh, self.model = mesh, model
         self.lasting = LastingOfMesh(mesh, LastingSolid(model), mesh_is_a)
         self.groups: dict[tuple[int, ...], _Group] = {}

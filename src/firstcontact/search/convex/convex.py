@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
@@ -28,7 +29,9 @@ from firstcontact.body.solid.carriers import (
 )
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.body.solid.csg import Leaf, Not, Or, Tree, conjunction
+from firstcontact.body.solid.extent import hull_of_cells, outward
 from firstcontact.body.solid.features import Edge, Face
+from firstcontact.body.solid.primitives import box
 from firstcontact.exact.numbers import precision, to_double
 from firstcontact.kernels.convex.support import BALL, BOWL, BOX, FORMS, SHEET, support
 
@@ -41,6 +44,8 @@ MOST_PIECES = 64
 MOST_COVERING = 8
 # Arcs reach this far (radians) beyond their ends: the highest point of the whole conic is then too high by its square.
 ARC_SLACK = 1e-8
+# Along each axis, in which it is looked where a piece ends.
+CELLS = 8
 # In which the extreme points of a union are looked at.
 DIRECTIONS = [np.array(n) + 0.1 * np.array([n[1], n[2], -n[0]]) for n in product((-1.0, 0.0, 1.0), repeat=3) if any(n)]
 
@@ -101,22 +106,48 @@ _COVERING = Kept[ConvexPieces]()
 
 def convex_pieces(body: CompositeQuadric) -> ConvexPieces:
     """The pieces of a body, kept on it.  Raises NotConvex."""
-    return _CONVEX.of_or_refusal(body, lambda: _of_clauses(body, _clauses(body.tree, True)), NotConvex)
+    return _CONVEX.of_or_refusal(body, lambda: _own_pieces(body), NotConvex)
 
 
 def covering_pieces(body: CompositeQuadric) -> ConvexPieces:
     """Convex pieces that cover the body, kept on it: its own, without what is not convex in them (holes are filled).
 
-    Raises NotConvex.
+    At worst its box, of which no form is a surface of the body (no labels).  Raises NotConvex for a body without end.
     """
     return _COVERING.of_or_refusal(body, lambda: _covering(body), NotConvex)
 
 
 def _covering(body: CompositeQuadric) -> ConvexPieces:
-    try:
-        return convex_pieces(body)
-    except NotConvex:
-        return _of_clauses(body, _filled(body))
+    for pieces_of in (convex_pieces, _filled_pieces):
+        with suppress(NotConvex):
+            return pieces_of(body)
+    return _boxed(body)
+
+
+def _boxed(body: CompositeQuadric) -> ConvexPieces:
+    if not body.bounded:
+        raise NotConvex("not bounded")
+    lo, hi = body.bounds()
+    wide = (hi - lo) * (1.0 + 2.0**-40) + 2.0**-40 * np.abs([lo, hi]).max()
+    return replace(convex_pieces(box(wide.tolist()).translated((0.5 * (lo + hi)).tolist())), labels={})
+
+
+def _filled_pieces(body: CompositeQuadric) -> ConvexPieces:
+    """They may reach beyond the body's box, but not far: NotConvex else."""
+    return _of_parts(body, ((clause, _with_room(solid)) for clause, solid in _solids(body, _filled(body))))
+
+
+def _with_room(part: CompositeQuadric) -> CompositeQuadric:
+    """All of a convex piece of which a part in a box is known: it is connected, so what meets no side of a larger box
+    ends in that."""
+    if part._box is None:
+        raise NotConvex("not bounded")
+    corners = list(zip(*part._box, strict=True))
+    wide = tuple(2 * c - d for c, d in corners), tuple(2 * d - c for c, d in corners)
+    (lo, hi), (first, last) = hull_of_cells(part, wide, CELLS), outward(wide)
+    if not (np.all(lo > first) and np.all(hi < last)):
+        raise NotConvex("not bounded")
+    return CompositeQuadric(part.surfaces, part.tree, box=wide, witness=part.inner_point)
 
 
 def _filled(body: CompositeQuadric) -> list[Clause]:
@@ -160,24 +191,40 @@ def _largest(clauses: set[Clause]) -> list[Clause]:
     return sorted((c for c in clauses if not any(d < c for d in clauses)), key=sorted)
 
 
-def _of_clauses(body: CompositeQuadric, clauses: list[Clause]) -> ConvexPieces:
+def _own_pieces(body: CompositeQuadric) -> ConvexPieces:
+    clauses = _clauses(body.tree, True)
     if len(clauses) > MOST_PIECES:
         raise NotConvex("too many pieces")
-    labels = _labels(body)
-    is_whole = len(clauses) == 1 and clauses == _clauses(body.tree, True)
-    parts, solids = [], []
+    if len(clauses) == 1:
+        return _of_parts(body, [(clauses[0], body)])
+    return _of_parts(body, _solids(body, clauses))
+
+
+def _solids(body: CompositeQuadric, clauses: list[Clause]) -> Iterator[tuple[Clause, CompositeQuadric]]:
+    """Of the clauses that hold points."""
     for clause in clauses:
-        solid = body if is_whole else _solid(body, clause)
+        solid = _solid(body, clause)
         if solid is not None:
-            parts.append(_piece(body, solid, sorted(clause)))
-            solids.append(([_half_space(body, x) for x in sorted(clause)], solid.inner_point))
-    pieces = ConvexPieces(_tables(parts), len(parts), labels, solids=tuple(solids))
+            yield clause, solid
+
+
+def _of_parts(body: CompositeQuadric, clauses: Iterable[tuple[Clause, CompositeQuadric]]) -> ConvexPieces:
+    """Of the pieces, each also as a solid of its own; their features are derived when all are known to be convex."""
+    convex = []
+    for clause, solid in clauses:
+        forms = [_half_space(body, x) for x in sorted(clause)]
+        for form in forms:
+            _require_convex(form, forms, solid)
+        convex.append((solid, forms, [number for number, _ in sorted(clause)]))
+    parts = [_piece(*piece) for piece in convex]
+    solids = [(forms, solid.inner_point) for solid, forms, _ in convex]
+    pieces = ConvexPieces(_tables(parts), len(parts), _labels(body), solids=tuple(solids))
     is_round = all(len(forms) == 1 for _, _, smooth, forms in parts if smooth)
     if len(parts) > 1 and is_round and all(edge.convexity == "convex" for edge in body.edges):
         together = [[row for part in parts for row in part[k]] for k in range(3)]
         with_union = _tables([*parts, [*together, []]])
         if _seems_convex(body, with_union, len(parts)):
-            return ConvexPieces(with_union, len(parts), labels, len(parts), tuple(solids))
+            return replace(pieces, array=with_union, union=len(parts))
     return pieces
 
 
@@ -247,9 +294,8 @@ def _bounds_convexly(body: CompositeQuadric, x: tuple[int, bool], clause: Clause
 
 
 def _solid(body: CompositeQuadric, clause: Clause) -> CompositeQuadric | None:
-    """The piece as a solid of its own; None where it is empty."""
-    signed = sorted(clause)
-    surfaces = [_half_space(body, x) for x in signed]
+    """What the piece holds of the body's box, as a solid of its own; None where that is nothing."""
+    surfaces = [_half_space(body, x) for x in sorted(clause)]
     tree = conjunction([Leaf(k) for k in range(len(surfaces))])
     try:
         return CompositeQuadric(surfaces, tree, box=body._finite_box())
@@ -257,13 +303,8 @@ def _solid(body: CompositeQuadric, clause: Clause) -> CompositeQuadric | None:
         return None
 
 
-def _piece(
-    body: CompositeQuadric, solid: CompositeQuadric, signed: Sequence[tuple[int, bool]]
-) -> list[list[list[float]]]:
-    """Rows of vertices, arcs, curved faces and forms of one piece."""
-    forms = [_half_space(body, x) for x in signed]
-    for form in forms:
-        _require_convex(form, forms, solid)
+def _piece(solid: CompositeQuadric, forms: Sequence[Surface], numbers: Sequence[int]) -> list[list[list[float]]]:
+    """Rows of vertices, arcs, curved faces and forms of one piece; numbers: those of the forms' surfaces."""
     if not solid.bounded:
         raise NotConvex("not bounded")
     vertices = [[*v.position, 3.0 * v.error + 8 * U * sum(map(abs, v.position))] for v in solid.vertices]
@@ -273,7 +314,7 @@ def _piece(
         raise NotConvex("no features")
     points = [np.array(row[:3]) for row in (*vertices, *arcs, *smooth)]
     size = max(float(np.abs(row[:12]).max()) for row in (*vertices, *arcs, *smooth)) or 1.0
-    leaves = [_leaf(form, number, points, size) for form, (number, _) in zip(forms, signed, strict=True)]
+    leaves = [_leaf(form, number, points, size) for form, number in zip(forms, numbers, strict=True)]
     return [vertices, arcs, smooth, leaves]
 
 

@@ -40,6 +40,7 @@ from firstcontact.kernels.events.feature_boxes import SLAB
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.search.convex.advance import Advance, advance
+from firstcontact.search.convex.convex import covering_pieces
 from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.event_tables import Tables, tables_of
 from firstcontact.search.events.instants import PlacedForms, scratch_for
@@ -149,6 +150,8 @@ class EventSearch:
         assert time is not None and interval is not None and covers.point is not None
         lo, hi = interval
         model_a, model_b = (shape_of(x) for x in self.bodies)
+        if not (covering_pieces(model_a).labels and covering_pieces(model_b).labels):
+            return None
         features, *also = [
             (without_corners(model_a, x), without_corners(model_b, y))
             for x, y in ((covers.features_a, covers.features_b), *(covers.also or ()))

@@ -103,10 +103,12 @@ def proved_at(
 
 
 def without_corners(model: CompositeQuadric, features: tuple[Feature, ...]) -> tuple[Feature, ...]:
-    """The features with vertices of the model for corners of pieces that cover it, those nearest."""
+    """The features with vertices of the model, if any, for corners of pieces that cover it: those nearest."""
     found = []
     for kind, index in features:
-        if kind == "corner" and model.vertices:
+        if kind == "corner":
+            if not model.vertices:
+                continue
             where = covering_pieces(model).array[index, :3]
             kind = "vertex"
             index = min(model.vertices, key=lambda v: float(np.abs(np.array(v.position) - where).max())).index
