@@ -23,6 +23,7 @@ from firstcontact.contact.mesh_model.mesh_starts import Standing
 from firstcontact.contact.mesh_model.patches import (
     Patch,
     bare_primitive,
+    has_area,
     is_sharp_edge,
     is_sharp_vertex,
     patch,
@@ -498,7 +499,7 @@ class _Answer:
         seen = {x.primitive: x for x in near}
         if not search.starts_rational or len(seen) > MOST_PRISMS:
             return False
-        bare = [k for k in seen if k >= len(self.mesh.triangles)]
+        bare = [k for k in seen if k >= len(self.mesh.triangles) or not has_area(self.mesh, k)]
         standing = Standing(self.moving_mesh, self.moving_model, self.first)
         return all(standing.primitive(k).outside for k in bare) and all(
             self._apart_on_a_side(x, search.pair.piece) for k, x in seen.items() if k not in bare

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from firstcontact.body.solid.carriers import QuarticCurve, doubles
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
-from firstcontact.contact.mesh_model.patches import Patch, patch
+from firstcontact.contact.mesh_model.patches import Patch, has_area, longest_side, patch, triangles_at_edge
 from firstcontact.contact.models.same_point import near_surfaces
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
@@ -66,6 +67,12 @@ def search_of(
         return HoledSearch(mesh, model, mesh_is_a, budget, progress)
 
 
+class _Kind(Enum):
+    """Of what is near the model: SIDE is a triangle without area, a side of another one."""
+
+    TRIANGLE, SIDE, BARE = range(3)
+
+
 @dataclass(frozen=True)
 class _Stop:
     """A slab of time, the first one that may hold an event of a group; boxes: those that survive there."""
@@ -95,6 +102,7 @@ class HoledSearch(MeshSearch):
         self.mesh, self.model = mesh, model
         self.lasting = LastingOfMesh(mesh, LastingSolid(model), mesh_is_a)
         self.groups: dict[tuple[int, ...], _Group] = {}
+        self.kinds: dict[int, _Kind] = {}
 
     # -- the searches ----------------------------------------------------------------------------------------
 
@@ -102,8 +110,8 @@ class HoledSearch(MeshSearch):
         near = self.near(window)
         if near.reason == "budget" or near.status == "free":
             return near
-        left: list[Open] = [x for x in near.open if x.primitive >= len(self.mesh.triangles)]
-        groups, inside = self._grouped(near.open), []
+        grouped, left = self._told_apart(near.open)
+        groups, inside = self._grouped(grouped), []
         for group, free_until in groups:
             if free_until > window.first:
                 continue
@@ -127,8 +135,8 @@ class HoledSearch(MeshSearch):
         near = self.near(window._replace(last=until, inner=window.first))
         if near.reason == "budget":
             return None
-        left: list[Open] = [x for x in near.open if x.primitive >= len(self.mesh.triangles)]
-        for group, free_until in self._grouped(near.open):
+        grouped, left = self._told_apart(near.open)
+        for group, free_until in self._grouped(grouped):
             if free_until <= window.first and not self._apart(group, window):
                 left += group.opened(window.first)
             elif (stop := self._stop(group, window, max(free_until, window.first), until, width)) is not None:
@@ -167,9 +175,29 @@ class HoledSearch(MeshSearch):
 
     # -- groups ----------------------------------------------------------------------------------------------
 
+    def _told_apart(self, near: Sequence[Open]) -> tuple[list[Open], list[Open]]:
+        """(triangles, which go into groups; bare edges and points, which doubles leave open).
+
+        Triangles without area are such edges and points, but for those that are a side of another one.
+        """
+        kinds = {x.primitive: self._kind(x.primitive) for x in near}
+        of_kind = [[x for x in near if kinds[x.primitive] == kind] for kind in (_Kind.TRIANGLE, _Kind.BARE)]
+        return of_kind[0], of_kind[1]
+
+    def _kind(self, k: int) -> _Kind:
+        if k >= len(self.mesh.triangles):
+            return _Kind.BARE
+        if k not in self.kinds:
+            self.kinds[k] = _Kind.TRIANGLE
+            if not has_area(self.mesh, k):
+                side = longest_side(self.mesh, k)
+                around = [] if side is None or side < 0 else triangles_at_edge(self.mesh, side).tolist()
+                self.kinds[k] = _Kind.SIDE if any(has_area(self.mesh, j) for j in around) else _Kind.BARE
+        return self.kinds[k]
+
     def _grouped(self, near: Iterable[Open]) -> list[tuple[_Group, float]]:
         """Neighbours, with the time to which the pieces that cover the model leave them free, early ones first."""
-        free = {x.primitive: x for x in first_of_each(near) if x.primitive < len(self.mesh.triangles)}
+        free = {x.primitive: x for x in first_of_each(near)}
         around = defaultdict(list)
         for k in free:
             for v in self.mesh.triangles[k].tolist():

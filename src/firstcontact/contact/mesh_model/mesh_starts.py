@@ -14,7 +14,7 @@ from flint import fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.body.solid.carriers import ONE, ZERO, dot
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
-from firstcontact.contact.mesh_model.patches import bare_primitive, prisms
+from firstcontact.contact.mesh_model.patches import bare_primitive, prisms, spanning
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 from firstcontact.exact.numbers import dyadic, precision, to_double
 from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
@@ -57,11 +57,15 @@ class Standing:
         mesh = shape_of(self.mesh)
         bare = k >= len(mesh.triangles)
         points = [mesh.exact_vertex(i) for i in (bare_primitive(mesh, k)[1] if bare else mesh.triangles[k].tolist())]
-        if not all(isinstance(c, fmpq) for p in points for c in p) or (bare and self.relative is None):
+        if not all(isinstance(c, fmpq) for p in points for c in p):
+            return Place(None)
+        if not bare:
+            points = [points[i] for i in spanning(points)]
+        if len(points) < 3 and self.relative is None:
             return Place(None)
         if self.relative is not None:
             points = [apply(self.relative, p) for p in points]
-        return _on_segment(points[0], points[-1], shape_of(self.model)) if bare else self._triangle(points)
+        return self._triangle(points) if len(points) == 3 else _on_segment(points[0], points[-1], shape_of(self.model))
 
     def _triangle(self, points: list[Vector]) -> Place:
         if self.relative is None:

@@ -29,6 +29,10 @@ ROOM = 0.125
 """Of the size of a patch, by which its box is larger."""
 
 
+_SIDES = (0, 1), (1, 2), (0, 2)
+"""Of a triangle, in the order of its edges."""
+
+
 @dataclass(frozen=True, eq=False)
 class Patch:
     """What `contact.models.algorithm` reads of a model, for some primitives of the polyhedron `source`."""
@@ -57,8 +61,9 @@ def patch(body: Polyhedron, primitives: Iterable[int], outward: Sequence[float])
     """Triangles, bare edges and bare points, by their numbers in the body's tree; with the edges and vertices of
     triangles that are not inside flat faces.
 
-    outward: a point (x, y, z) in the body's frame; normals of faces point to its side.  Raises UnsupportedPair for
-    triangles without area and edges without length.
+    outward: a point (x, y, z) in the body's frame; normals of faces point to its side.  A triangle without area is its
+    longest side, or the point where all its corners are.  Raises UnsupportedPair for bare edges without length, and for
+    triangles whose longest side is no edge.
     """
     chosen = sorted(set(primitives))
     parts = _Parts(body, tuple(fmpq(*float(x).as_integer_ratio()) for x in outward))
@@ -98,7 +103,11 @@ class _Parts:
         points = [body.exact_vertex(i) for i in corners]
         forms = triangle_forms(points, self.toward)
         if forms is None:
-            raise UnsupportedPair(f"{self.who}: triangle {k} has no area; exact arithmetic does not take it")
+            side, ends = longest_side(body, k), [corners[i] for i in spanning(points)]
+            if side is not None and not 0 <= side < len(body.edges):
+                raise UnsupportedPair(f"{self.who}: triangle {k} has no area, and its longest side is no edge")
+            self._add_segment(side, ends)
+            return
         self.surfaces += [forms[0], forms[0].negated(), *forms[1:]]
         for s in range(3):
             side = int(body.side_edge[k, s])
@@ -110,7 +119,10 @@ class _Parts:
         self.hulls[self.faces[-1]] = points
 
     def add_bare(self, k: int) -> None:
-        edge, corners = bare_primitive(self.body, k)
+        self._add_segment(*bare_primitive(self.body, k))
+
+    def _add_segment(self, edge: int | None, corners: list[int]) -> None:
+        """An edge with its two vertices, or a point."""
         along = set(range(len(self.surfaces), len(self.surfaces) + 4))
         ends = len(self.surfaces) + 4, len(self.surfaces) + 5
         self.surfaces += _bare_forms([self.body.exact_vertex(i) for i in corners])
@@ -221,23 +233,24 @@ def _vertex(body: Polyhedron, who: str, v: int, surfaces: set[int]) -> Vertex:
 
 
 def is_sharp_edge(body: Polyhedron, e: int) -> bool:
-    """Whether a segment is an edge that users know, and its triangles do not lie in one plane."""
+    """Whether a segment is an edge that users know, and the surface does not go on flat across it."""
     if not 0 <= e < len(body.edges):
         return False
     is_bent = e < body.given_edges or _BENT.of(body, lambda: _bent(body))[e]
-    return bool(is_bent) or not _in_one_plane(body, triangles_at_edge(body, e))
+    return bool(is_bent) or not _in_one_plane(body, triangles_at_edge(body, e)) or not _has_two_sides(body, e)
 
 
 def is_sharp_vertex(body: Polyhedron, v: int) -> bool:
-    """Whether the triangles at a vertex do not lie in one plane, or end there (on the rim of an open surface)."""
+    """Whether the triangles at a vertex do not lie in one plane, or end there: on the rim of an open or folded one."""
     around = triangles_at_vertex(body, v)
     sides = [e for e in set(body.side_edge[around].ravel().tolist()) if e >= 0 and v in body.segments[e]]
     if _BENT.of(body, lambda: _bent(body))[sides].any() or any(len(triangles_at_edge(body, e)) < 2 for e in sides):
         return True
-    return not _in_one_plane(body, around)
+    return not _in_one_plane(body, around) or not all(_has_two_sides(body, e) for e in sides)
 
 
 _BENT = Kept[np.ndarray]()
+_TWO_SIDED = Kept[np.ndarray]()
 _AT_EDGES = Kept[tuple[np.ndarray, np.ndarray]]()
 _AT_VERTICES = Kept[tuple[np.ndarray, np.ndarray]]()
 
@@ -267,8 +280,19 @@ def _rows_of(
     return place.of(body, sort)
 
 
+def _has_two_sides(body: Polyhedron, e: int) -> bool:
+    """Whether triangles lie on both sides of a segment, which lie in one plane but for those without area; exact."""
+    if _TWO_SIDED.of(body, lambda: _two_sided(body))[e]:
+        return True
+    i, j = body.segments[e].tolist()
+    p, q = body.exact_vertex(i), body.exact_vertex(j)
+    thirds = [body.exact_vertex(sum(t) - i - j) for t in body.triangles[triangles_at_edge(body, e)].tolist()]
+    normals = [n for n in (_cross_of(p, q, r) for r in thirds) if any(n)]
+    return any(dot(n, normals[0]) < 0 for n in normals)
+
+
 def _in_one_plane(body: Polyhedron, triangles: np.ndarray) -> bool:
-    """Whether there are several triangles, all in one plane; exact."""
+    """Whether there are several triangles, all in one plane, and not all without area; exact."""
     if len(triangles) < 2:
         return False
     points = [[body.exact_vertex(i) for i in t] for t in body.triangles[triangles].tolist()]
@@ -285,19 +309,68 @@ def _bent(body: Polyhedron) -> np.ndarray:
     Of u, v, w, each entry at most D and off by e, the determinant is off by 18 D^2 e at most, and its roundings are 48
     of D^3 at most.
     """
-    rows, ordered = _rows_of(body, _AT_EDGES, body.side_edge)
     bent = np.zeros(len(body.segments), bool)
-    twice = np.flatnonzero((ordered[1:] == ordered[:-1]) & (ordered[1:] >= 0))  # not of diagonals
-    if not len(twice):
+    edges, one, other = _neighbours(body)
+    if not len(edges):
         return bent
-    one, other = (body.vertices[body.triangles[rows[twice + k]]] for k in (0, 1))
+    one, other = body.vertices[one], body.vertices[other]
     u, v, w = one[:, 1] - one[:, 0], one[:, 2] - one[:, 0], other - one[:, :1]
-    off = 2.0 * body.error + 2.0**-51 * float(np.abs(body.vertices).max())
-    most = np.max([np.abs(x).reshape(len(twice), -1).max(axis=1, initial=0.0) for x in (u, v, w)], axis=0) + off
+    off, most = _sizes(body, u, v, w)
     bound = 20.0 * most * most * off + 2.0**-46 * most**3 + 1e-300  # where products underflow
     heights = np.einsum("nsd,nd->ns", w, np.cross(u, v))
-    bent[ordered[twice[(np.abs(heights) > bound[:, None]).any(axis=1)]]] = True
+    bent[edges[(np.abs(heights) > bound[:, None]).any(axis=1)]] = True
     return bent
+
+
+def _two_sided(body: Polyhedron) -> np.ndarray:
+    """(segments,) whether doubles prove of two triangles of it that their normals, as if turned alike about it, differ
+    by more than a right angle: that they lie on two sides of it, if in one plane.
+
+    The entries of both normals are at most 2 D^2, and off by 8 D e and roundings of D^2.
+    """
+    found = np.zeros(len(body.segments), bool)
+    edges, one, other = _neighbours(body)
+    if not len(edges):
+        return found
+    ends = body.segments[edges]
+    p = body.vertices[ends[:, 0]]
+    d, u, v = (body.vertices[k] - p for k in (ends[:, 1], *(t.sum(axis=1) - ends.sum(axis=1) for t in (one, other))))
+    off, most = _sizes(body, d, u, v)
+    bound = 200.0 * most**3 * off + 2.0**-44 * most**4 + 1e-300
+    found[edges[np.einsum("nd,nd->n", np.cross(d, u), np.cross(d, v)) < -bound]] = True
+    return found
+
+
+def _neighbours(body: Polyhedron) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(segments (n,), corners (n, 3) of one of its triangles, and of the next one)."""
+    rows, ordered = _rows_of(body, _AT_EDGES, body.side_edge)
+    twice = np.flatnonzero((ordered[1:] == ordered[:-1]) & (ordered[1:] >= 0))  # not of diagonals
+    return ordered[twice], body.triangles[rows[twice]], body.triangles[rows[twice + 1]]
+
+
+def _sizes(body: Polyhedron, *vectors: np.ndarray) -> tuple[float, np.ndarray]:
+    """(how far differences of vertices may be off, (n,) the largest entry of those vectors (n, ...), that far off)."""
+    off = 2.0 * body.error + 2.0**-51 * float(np.abs(body.vertices).max())
+    return off, np.max([np.abs(x).reshape(len(x), -1).max(axis=1) for x in vectors], axis=0) + off
+
+
+def spanning(points: Sequence[Vector]) -> list[int]:
+    """Which corners span a triangle: all, the ends of its longest side where it has no area, one where all are one."""
+    if any(_cross_of(*points)):
+        return [0, 1, 2]
+    square = {side: sum((x - y) ** 2 for x, y in zip(*(points[k] for k in side), strict=True)) for side in _SIDES}
+    longest = max(_SIDES, key=lambda side: square[side])
+    return list(longest) if square[longest] else [0]
+
+
+def has_area(body: Polyhedron, k: int) -> bool:
+    return any(_cross_of(*(body.exact_vertex(i) for i in body.triangles[k].tolist())))
+
+
+def longest_side(body: Polyhedron, k: int) -> int | None:
+    """The segment that a triangle without area is; None for one that is a point."""
+    spanned = spanning([body.exact_vertex(i) for i in body.triangles[k].tolist()])
+    return int(body.side_edge[k, _SIDES.index((spanned[0], spanned[1]))]) if len(spanned) > 1 else None
 
 
 def prisms(points: Sequence[Vector]) -> list[CompositeQuadric]:

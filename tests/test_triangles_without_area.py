@@ -1,0 +1,107 @@
+"""Meshes with triangles on a line or in a point, and sheets that fold back on themselves, beside curved solids."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction as F
+
+import pytest
+
+import firstcontact as fc
+
+HOLLOW = fc.box((9, 9, 9)) - fc.sphere(2)
+BALL = fc.sphere(1).translated((3, 0, 0))
+SHELL = BALL - fc.sphere("1/4").translated((3, 0, 0))
+WAYS = [{}, {"exact": True}]
+RIM = [("-1", "0", "0"), ("1/2", "-1/4", "0"), ("1/2", "1/4", "0")]
+
+
+def mesh(corners, *triangles):
+    return fc.Polyhedron([tuple(map(F, c)) for c in corners], [list(t) for t in triangles])
+
+
+def first(body, solid, way, velocity):
+    return fc.first_contact(body.moving(fc.Translation(velocity)), solid, **way)
+
+
+# What reaches farthest along x is (1/2, 0, 0), along y (0, 1/4, 1/4) in the first, (1/2, 0, 0) in the others.
+FLAT = {
+    "folded, with a sliver": (
+        [(0, 0, 0), ("1/4", 0, 0), ("1/2", 0, 0), (0, "1/4", "1/4")], [(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)]
+    ),
+    "a sliver": ([(0, 0, 0), ("1/4", 0, 0), ("1/2", 0, 0)], [(0, 1, 2)]),
+    "a sliver, its middle last": ([(0, 0, 0), ("1/2", 0, 0), ("1/4", 0, 0)], [(0, 1, 2)]),
+    "a sliver, its middle first": ([("1/4", 0, 0), (0, 0, 0), ("1/2", 0, 0)], [(0, 1, 2)]),
+    "two corners in one place": ([(0, 0, 0), (0, 0, 0), ("1/2", 0, 0)], [(0, 1, 2)]),
+    "a corner named twice": ([(0, 0, 0), ("1/2", 0, 0)], [(0, 0, 1)]),
+    "a point": ([("1/2", 0, 0)] * 3, [(0, 1, 2)]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("kind", FLAT)
+def test_in_a_hole(kind, way):
+    """The hole's wall is the sphere of radius 2 about the origin."""
+    corners, triangles = FLAT[kind]
+    body = mesh(corners, *triangles)
+    hit = first(body, HOLLOW, way, (4, 0, 0))
+    assert hit.time == pytest.approx(3 / 8, abs=1e-12) and hit.point == pytest.approx([2, 0, 0], abs=1e-9)
+    aside = math.sqrt(4 - 1 / 16) - 1 / 4 if kind.startswith("folded") else math.sqrt(4 - 1 / 4)
+    assert first(body, HOLLOW, way, (0, 4, 0)).time == pytest.approx(aside / 4, abs=1e-12)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("solid", [BALL, SHELL])
+@pytest.mark.parametrize("kind", FLAT)
+def test_beside_a_ball(kind, solid, way):
+    corners, triangles = FLAT[kind]
+    body = mesh(corners, *triangles)
+    assert first(body, solid, way, (4, 0, 0)).time == pytest.approx(3 / 8, abs=1e-12)
+    assert first(body, solid, way, (0, 4, 0)).status is fc.Status.FREE
+
+
+@pytest.mark.parametrize("kind", [k for k in FLAT if k != "a point"])
+def test_a_screw_in_a_hole(kind):
+    """It keeps its way along x and turns about it, so the tip on the axis meets the wall first."""
+    corners, triangles = FLAT[kind]
+    hit = fc.first_contact(mesh(corners, *triangles).moving(fc.Screw((1, 0, 0), degrees=50, advance=4)), HOLLOW)
+    assert hit.status is fc.Status.CONTACT and hit.time == pytest.approx(3 / 8, abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["a sliver", "two corners in one place"])
+def test_across_a_ball(kind):
+    """The middle of the side meets the ball as it passes sideways: at a height of 0, 1 from the middle of the ball."""
+    corners, triangles = FLAT[kind]
+    body = mesh(corners, *triangles)
+    hit = first(body.translated(("11/4", -4, 0)), SHELL, {}, (0, 4, 0))
+    assert hit.time == pytest.approx(3 / 4, abs=1e-12) and hit.point == pytest.approx([3, -1, 0], abs=1e-9)
+    found = fc.contact_intervals(body.translated(("11/4", -4, 0)).moving(fc.Translation((0, 8, 0))), SHELL, exact=True)
+    assert [(x.start_exact, x.end_exact) for x in found.intervals] == [(F(3, 8), F(5, 8))]
+
+
+@pytest.mark.parametrize("kind", FLAT)
+def test_that_starts_in_the_solid(kind):
+    corners, triangles = FLAT[kind]
+    body = mesh(corners, *triangles).translated((3, 0, 0))
+    hit = first(body, HOLLOW, {}, (1, 0, 0))
+    assert hit.status is fc.Status.INITIAL_CONTACT and hit.initial in ("overlapping", "containment")
+
+
+@pytest.mark.filterwarnings("ignore:polyhedron. every face")
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("solid", [BALL, SHELL])
+@pytest.mark.parametrize("triangles", [[(0, 1, 2)], [(0, 1, 2), (0, 2, 1)]])
+def test_the_rim_of_a_sheet_that_covers_itself(triangles, solid, way):
+    """Its edge at x = 1/2 meets the ball in the middle: two triangles in one plane lie on one side of it."""
+    hit = first(mesh(RIM, *triangles), solid, way, (4, 0, 0))
+    assert hit.time == pytest.approx(3 / 8, abs=1e-12) and hit.element_a.kind == "edge"
+    assert hit.point == pytest.approx([2, 0, 0], abs=1e-9)
+    found = fc.contact_intervals(mesh(RIM, *triangles).moving(fc.Translation((4, 0, 0))), solid, exact=True)
+    assert [(x.start_exact, x.end_exact) for x in found.intervals] == [(F(3, 8), 1)]
+
+
+def test_an_edge_inside_a_flat_face_is_none():
+    """Where triangles go on flat across it the face is what touches."""
+    corners = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+    hit = first(mesh(corners, (0, 1, 2), (0, 2, 3)).translated((3, 0, 4)), SHELL, {"exact": True}, (0, 0, -4))
+    assert hit.time_exact == F(3, 4) and hit.element_a.kind == "face"
