@@ -424,9 +424,11 @@ class _Answer:
         thin: Any = self._patch(group, window)
         first = max(self.first, fmpq(*window.first.as_integer_ratio()))
         last = first if only_start else min(self.last, fmpq(*window.last.as_integer_ratio()))
-        bodies = self.a, self.b
-        if only_start and first == 0:  # where a motion of constant speed has not begun
-            bodies = tuple(x.body if _is_screw(x) else x for x in bodies)
+        bodies: tuple[Body, Body] = (self.a, self.b)
+        if only_start and any(map(_is_screw, bodies)):  # its equations are not rational, but its pose may be
+            standing = [x[0] for x in (_standing(x, self.first) for x in bodies) if x is not None and x[1] is None]
+            if len(standing) == 2:
+                bodies, first, last = (standing[0], standing[1]), fmpq(0), fmpq(0)
         for piece in relative_pieces(*bodies, first, last):
             if not piece.exact:
                 raise UnsupportedPair(f"{piece.of}: the pose before this step is irrational")
