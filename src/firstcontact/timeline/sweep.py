@@ -26,6 +26,9 @@ LEAST_AHEAD, LEAST_BACK = 1e-3, 1e-6
 """Parts of the longest step below which proofs of lasting contact give up: towards its end, and from there back."""
 MOST_TURNS = 20
 """Stretches of one contact followed one after the other in one window before the rest is left open."""
+MOST_PACES, SLOWLY = 1000, 4
+"""Finer looks at the pace of the last ones that the rest of a window may ask for, and how many in a row may ask for
+more before it is left open: each takes up to a second."""
 TRIES = 8
 """Times without contact looked for between two times in contact."""
 
@@ -171,6 +174,8 @@ class TimeSweep(Generic[W]):
         self.start: tuple[float, float] | None = None
         self.turns = 0
         self.reached = parts[0].first
+        self.looked, self.pace, self.slowly = self.reached, 0.0, 0
+        """When finer arithmetic was asked last, how long after the time before, how often it went no faster since."""
 
     def run(self) -> Found:
         reason, point = None, None
@@ -260,6 +265,7 @@ class TimeSweep(Generic[W]):
     def _finer(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
         """As `_enter` or `_leave`, by a passage from t on.  May raise Open."""
         self._step()
+        self._keep_pace(window, t)
         found = self.free.passage(window, t)
         if found is None or found.passage.stretches[0].contact != (self.start is not None):
             raise Unproved(t)
@@ -280,6 +286,15 @@ class TimeSweep(Generic[W]):
             else:
                 self._close(event)
         return until, found.point
+
+    def _keep_pace(self, window: W, t: float) -> None:
+        """Unproved where finer looks follow each other in steps that do not grow, and would for minutes."""
+        pace = t - self.looked
+        is_slow = 0.0 < pace <= 2.0 * self.pace and window.last - t > MOST_PACES * pace
+        self.slowly = self.slowly + 1 if is_slow else 0
+        self.looked, self.pace = t, pace
+        if self.slowly >= SLOWLY:
+            raise Unproved(t)
 
     def _enter(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
         """(the time up to which all is settled, a common point then or None), from t, which is free."""
