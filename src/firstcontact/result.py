@@ -611,13 +611,9 @@ class FirstContact(_Deferring, Shown):
         """The proof that two bodies share no point all over the span; fields that say nothing, which take most of the
         time to make, are filled when they are asked for."""
         record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
-        put["status"](record, Status.FREE)
-        put["free_until"](record, span[1])
-        put["stats"](record, stats)
-        put["a"](record, a)
-        put["b"](record, b)
-        put["span"](record, span)
         put["_rest"](record, _unsaid)
+        for name, value in zip(_TOLD_OF_FREE, (Status.FREE, span[1], stats, a, b, span), strict=True):
+            put[name](record, value)
         return record
 
     def __repr__(self) -> str:

@@ -66,7 +66,7 @@ class KeptOfTwo(Generic[T]):
         return self.put(body, other, make()) if found is None else found
 
     def get(self, body: Keeping, other: Keeping) -> T | None:
-        known: Any = body._search.get(self._place)
+        known = self._place.get(body)
         return known[1] if known is not None and known[0]() is other else None
 
     def put(self, body: Keeping, other: Keeping, value: T) -> T:

@@ -35,11 +35,9 @@ class Round(NamedTuple):
 
 
 ROUNDS = (
-    Round(4_000, 100, QUICK),
-    Round(100_000, 300, FARTHER),
-    Round(200_000, 1_000, FARTHEST),
-    Round(None, None, FARTHEST),
-)
+    Round(4_000, 100, QUICK), Round(100_000, 300, FARTHER),
+    Round(200_000, 1_000, FARTHEST), Round(None, None, FARTHEST),
+)  # fmt: skip
 """About 0.2, 2, 5 s and more of either."""
 IF_FREE = 2_000
 """Boxes that doubles look at to prove that there is no contact at all, before elimination is asked for all of them."""
@@ -101,7 +99,6 @@ def _first_ways(
     own: Round, turns: AskedSoFar, in_doubles: InDoubles, exactly: Exactly, is_told: Callable[[FirstContact], bool]
 ) -> list[Way[FirstContact]]:
     """Those of one round."""
-
     def by_doubles(query: Query, _: FirstContact | None) -> FirstContact | Passed:
         proved = in_doubles(_limited(query, turns.boxes(own)))
         if query.is_certified or query.is_spent(proved.reason) or is_told(proved):

@@ -82,7 +82,7 @@ def pairs(answer: Callable[[Query], ContactPairs], query: Query) -> ContactPairs
 
 
 def _linkages(query: Query) -> list[Linkage]:
-    return [x.motion for x in (query.a, query.b) if isinstance(x, Moving) and isinstance(x.motion, Linkage)]
+    return [x.motion for x in query.bodies if isinstance(x, Moving) and isinstance(x.motion, Linkage)]
 
 
 def _without_shared(query: Query) -> tuple[Query, Linkage | None]:

@@ -74,8 +74,7 @@ INSTEAD = {
     "intersection_curve": "the boundaries of solids meet in the edges of a & b",
 }
 """What to ask of pairs that a verb does not take."""
-_MESH = Kind.MESH
-MESHES = _MESH, _MESH
+MESHES = Kind.MESH, Kind.MESH
 _KINDS = {kind.value: kind for kind in Kind}
 _ORDER = list(Kind)
 
@@ -96,10 +95,7 @@ def as_body(body: AnyBody) -> Any:
 
 def kind_of(body: AnyBody) -> Kind:
     """UnsupportedPair for what is no body."""
-    shape = body.body if isinstance(body, Moving) else body
-    if type(shape) is Polyhedron:
-        return _MESH
-    kind = _KINDS.get(str(getattr(shape, "kind", None)))
+    kind = _KINDS.get(str(getattr(shape_of(body), "kind", None)))
     if kind is None:
         kinds = ", ".join(kind.value for kind in Kind)
         raise UnsupportedPair(f"{body!r} is no body; give one of {kinds}, at rest or moving")
@@ -109,8 +105,6 @@ def kind_of(body: AnyBody) -> Kind:
 def kinds_of(a: AnyBody, b: AnyBody) -> tuple[Kind, Kind]:
     """Of both bodies, the simpler one first."""
     one, other = kind_of(a), kind_of(b)
-    if one is other is _MESH:
-        return MESHES
     return (one, other) if _ORDER.index(one) <= _ORDER.index(other) else (other, one)
 
 

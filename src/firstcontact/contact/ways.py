@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from firstcontact.errors import UnsupportedPair
@@ -84,11 +85,7 @@ def answered(ways: Sequence[Way[R]], query: Query) -> R:
         if not way.takes(query, proved):
             continue
         begin = clock.perf_counter()
-        found: R | Passed
-        try:
-            found = way.run(query, proved)
-        except UnsupportedPair as refusal:
-            found = Passed(str(refusal), refused=True)
+        found: R | Passed = tried(partial(way.run, query, proved))
         told = f"passed: {found.reason}" if isinstance(found, Passed) else found.status.name
         asked.append(Asked(way.name, told, clock.perf_counter() - begin))
         if not isinstance(found, Passed):

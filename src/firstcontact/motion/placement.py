@@ -119,7 +119,7 @@ class Placement:
 
     @property
     def is_exact(self) -> bool:
-        return not self.factors or not any(isinstance(f, Turn | Twist) for f in self.factors)
+        return not any(isinstance(f, Turn | Twist) for f in self.factors)
 
     def matrix(self) -> Matrix:
         """The rational matrix (exact placements), or its enclosure at the present precision."""

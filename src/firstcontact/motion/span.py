@@ -112,8 +112,6 @@ def refuse_many_turns(
         if not isinstance(body, Moving) or isinstance(body.motion, Translation):
             continue
         motion = body.motion
-        if isinstance(motion, Rotation) and Rotation not in kinds:
-            continue
         share = 1 if last is None or not getattr(motion, "extends", False) else last - first
         for step in [motion] if isinstance(motion, Linkage) else getattr(motion, "steps", [motion]):
             if isinstance(step, Rotation | Screw | Linkage) and isinstance(step, (*kinds, Linkage)):

@@ -255,7 +255,7 @@ def _rate(step: Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
         if any(cross(motion.axis, lead.axis)) or any(cross(sub(motion.point, lead.point), lead.axis)):
             return None
         sense = 1 if dot(motion.axis, lead.axis) > 0 else -1
-    return angle_of(motion, fmpq(sense) if step.end is None and step.clock is None else sense / step.unit)
+    return angle_of(motion, sense / step.unit)
 
 
 def _who(body: Body, default: str = "a body") -> str:

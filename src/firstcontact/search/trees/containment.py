@@ -218,8 +218,7 @@ def contained(a: Polyhedron, b: Polyhedron) -> tuple[str, int] | None:
     The surfaces share no point.  The answer is kept for the next motion of the same two bodies.
     Raises Undecidable.
     """
-    known = _CONTAINED.get(a, b)
-    return (_CONTAINED.put(a, b, (_find_contained(a, b),)) if known is None else known)[0]
+    return _CONTAINED.of(a, b, lambda: (_find_contained(a, b),))[0]
 
 
 def _find_contained(a: Polyhedron, b: Polyhedron) -> tuple[str, int] | None:

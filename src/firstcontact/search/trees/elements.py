@@ -79,11 +79,12 @@ class WholeCorners:
         self._are_doubles = a.error == b.error == 0.0
         self._per, (self._vector,) = whole(vector)
         self._is_first = True
-        self._scaled_by(None)
+        self._begin(self._per, self._vector)
 
-    def _scaled_by(self, scale: fmpz | None) -> None:
-        self._scale: Scale | None = None if scale is None else self.number(scale)
-        self._common = self._vector if scale is None else self._as_numbers(scaled(scale // self._per, self._vector))
+    def _begin(self, scale: fmpz, vector: Vector) -> None:
+        """Anew, with a scale for all and the vector times it."""
+        self._scale: Scale = self.number(scale)
+        self._common = self._as_numbers(vector)
         self._places: tuple[dict[int, Vector], dict[int, Vector]] = {}, {}
 
     def of(self, element_a: Feature, element_b: Feature) -> tuple[Scale, list[Vector], list[Vector], Vector]:
@@ -99,23 +100,24 @@ class WholeCorners:
         while True:
             scale = self._scale
             x, y = [self._place(0, v) for v in first], [self._place(1, v) for v in second]
-            if self._scale is scale and scale is not None:
-                return scale, x, y, self._common
-            if self._scale is None or self._scale.bit_length() > MOST_BITS:
-                self._scaled_by(None)
+            if self._scale.bit_length() > MOST_BITS:
+                self._begin(self._per, self._vector)
                 return self._alone(first, second)
+            if self._scale is scale:
+                return scale, x, y, self._common
 
     def _place(self, side: int, vertex: int) -> Vector:
         found = self._places[side].get(vertex)
         if found is None:
-            body, scale, number = self.bodies[side], self._scale, self.number
+            body, number = self.bodies[side], self.number
             if self._are_doubles:
                 (x, p), (y, q), (z, r) = [c.as_integer_ratio() for c in body.vertices[vertex].tolist()]
             else:
                 (x, p), (y, q), (z, r) = [(number(c.p), number(c.q)) for c in body.exact_vertex(vertex)]
-            if scale is None or scale % p or scale % q or scale % r:
-                self._scaled_by(self._per.lcm(fmpz(scale or 1)).lcm(p).lcm(q).lcm(r) << SPARE)
-                scale = self._scale
+            if self._scale % p or self._scale % q or self._scale % r:
+                grown = fmpz(self._scale).lcm(p).lcm(q).lcm(r) << SPARE
+                self._begin(grown, scaled(grown // self._per, self._vector))
+            scale = self._scale
             found = number(x) * (scale // p), number(y) * (scale // q), number(z) * (scale // r)
             self._places[side][vertex] = found
         return found
