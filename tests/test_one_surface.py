@@ -12,6 +12,8 @@ import pytest
 
 import firstcontact as fc
 from firstcontact import Status
+from firstcontact.contact.models import algorithm
+from firstcontact.pairs.carriers import quadric_quadric
 
 EYE = np.eye(4, dtype=int).tolist()
 
@@ -79,3 +81,24 @@ def test_just_not_reached():
     for way in ({}, {"exact": True}):
         assert fc.first_contact(a, b, **way).status is Status.FREE
         assert fc.contact_intervals(a, b, **way).status is Status.FREE
+
+
+ENDS = [(BALL.moving(scaling(2)), BLOCK - fc.sphere(2)), (SHELL.moving(scaling(F(-3, 5))), BALL)]
+
+
+@pytest.mark.parametrize("pair", ENDS, ids=["ball", "shell"])
+def test_surfaces_without_sections_are_left_open(pair, monkeypatch):
+    """As those without a centre: that they become one is no proof that they share nothing."""
+    monkeypatch.setattr(quadric_quadric, "central_sections", lambda *_: [])
+    hit = fc.first_contact(*pair, exact=True)
+    assert hit.status is Status.UNDECIDED
+    assert hit.reason == "precision"
+
+
+@pytest.mark.parametrize("pair", ENDS, ids=["ball", "shell"])
+def test_a_candidate_that_is_wrongly_rejected_shows_at_the_end(pair, monkeypatch):
+    """Both verbs look once after the last candidate: bodies that overlap there are not free."""
+    monkeypatch.setattr(algorithm, "_validated", lambda candidate: ([], "forged"))
+    assert fc.first_contact(*pair, exact=True).status is Status.UNDECIDED
+    with pytest.raises(fc.UnsupportedPair, match="no candidate is a contact"):
+        fc.contact_intervals(*pair, exact=True)

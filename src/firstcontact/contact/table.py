@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache, partial
 from importlib import import_module
+from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeVar, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
@@ -76,7 +77,7 @@ INSTEAD = {
 """What to ask of pairs that a verb does not take."""
 MESHES = Kind.MESH, Kind.MESH
 _KINDS = {kind.value: kind for kind in Kind}
-_ORDER = list(Kind)
+_SORTED = {pair: (x, y) for x, y in combinations_with_replacement(Kind, 2) for pair in ((x, y), (y, x))}
 
 R = TypeVar("R", FirstContact, ContactIntervals)
 
@@ -104,8 +105,7 @@ def kind_of(body: AnyBody) -> Kind:
 
 def kinds_of(a: AnyBody, b: AnyBody) -> tuple[Kind, Kind]:
     """Of both bodies, the simpler one first."""
-    one, other = kind_of(a), kind_of(b)
-    return (one, other) if _ORDER.index(one) <= _ORDER.index(other) else (other, one)
+    return _SORTED[kind_of(a), kind_of(b)]
 
 
 def proves(verb: str, a: AnyBody, b: AnyBody) -> str:
