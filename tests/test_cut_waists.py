@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from firstcontact import Status
+from firstcontact.body.solid import composite_quadric
+from firstcontact.exact.numbers import Undecidable
 from firstcontact.kernels.convex.support import support
 from firstcontact.search.convex.convex import covering_pieces
 
@@ -101,3 +104,47 @@ def test_a_triangle_lands_on_the_flat_top():
     mesh = fc.Polyhedron(np.add(tip, (-0.5, -0.5, 0)), [[0, 1, 2]]).moving(fc.Translation((0, 0, -1)))
     hit = fc.first_contact(mesh, egg())
     assert hit.time == pytest.approx(1 / 2, abs=1e-12) and hit.element_a.kind == "vertex"
+
+
+def test_ends_that_all_but_meet_are_told_apart():
+    """Beside one plane two roots are so close that the iteration for all roots at once never converges."""
+    turn = [["-9/11", "-6/11", "2/11"], ["-6/11", "7/11", "-6/11"], ["2/11", "-6/11", "-9/11"]]
+    away = ["-1/4", "-1/4", "1/2"]
+    placed = [[*map(F, row), F(x)] for row, x in zip(turn, away, strict=True)] + [[0, 0, 0, 1]]
+    waist = fc.quadric([["4/9", 0, 0, 0], [0, 4, 0, 0], [0, 0, -1, 0], [0, 0, 0, -1]])
+    body = waist & fc.ellipsoid(("5/2", "3/2", "3/2")).transformed(placed)
+
+    axes, centre = np.split(np.array(placed[:3], float), [3], axis=1)
+
+    def forms(points):
+        """Of the waist and of the ellipsoid: at most 0 in the body."""
+        x, y, z = points.T
+        local = (points - centre[:, 0]) @ axes / [2.5, 1.5, 1.5]
+        return np.array([4 / 9 * x * x + 4 * y * y - z * z - 1, (local**2).sum(1) - 1])
+
+    hit = fc.first_contact(fc.sphere("1/2").translated((0, 0, 5)).moving(fc.Translation((0, 0, -9))), body)
+    assert hit.status is Status.CONTACT
+    height = 5 - 9 * hit.time
+    assert np.linalg.norm(np.subtract(hit.point, (0, 0, height))) == pytest.approx(0.5, abs=1e-9)
+    assert (forms(np.array([hit.point])) < 1e-9).all()
+    points = np.random.default_rng(3).uniform((-0.5, -0.5, -1), (0.5, 0.5, 2), (200_000, 3))
+    points = points[(forms(points) <= 0).all(0)]
+    under = points[np.hypot(points[:, 0], points[:, 1]) < 0.5]
+    reached = (under[:, 2] + np.sqrt(0.25 - under[:, 0] ** 2 - under[:, 1] ** 2)).max()
+    assert reached - 1e-9 < height < reached + 0.05
+
+
+def test_solids_whose_edges_are_not_told_say_so(monkeypatch):
+    """By an error that names the solid; they can be shown all the same."""
+    other = fc.quadric([[2, 1, 0, 0], [1, -3, 0, 1], [0, 0, 1, 0], [0, 1, 0, -2]])
+    endless = fc.quadric(np.diag([1, 2, -1, -1])) & other
+    with pytest.raises(fc.UnsupportedPair, match="intersect it with a box"):
+        _ = endless.edges
+    assert repr(endless) == "<CompositeQuadric: 2 surfaces>"
+
+    def fails(*_):
+        raise Undecidable
+
+    monkeypatch.setattr(composite_quadric, "derive", fails)
+    with pytest.raises(fc.UnsupportedPair, match="solid: its edges come too close"):
+        _ = (fc.sphere(2) & fc.sphere(2).translated((1, 0, 0))).edges

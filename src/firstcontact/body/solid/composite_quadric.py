@@ -39,12 +39,12 @@ from firstcontact.body.solid.csg import (
     surfaces_of,
 )
 from firstcontact.body.solid.feature_names import LabelledPart, Names
-from firstcontact.body.solid.features import Edge, Face, Features, Vertex, derive
+from firstcontact.body.solid.features import Edge, Face, Features, NotDerived, Vertex, derive
 from firstcontact.body.solid.neighbourhood import patterns
 from firstcontact.body.solid.recipe import Recipe, combined
 from firstcontact.body.solid.regions import Regions, SurfaceReach, grows_with_leaves, reaches_of, simplified
 from firstcontact.errors import InputError, shown
-from firstcontact.exact.numbers import exact_value, to_double
+from firstcontact.exact.numbers import Undecidable, exact_value, to_double
 from firstcontact.exact.rigid import Matrix, apply, is_shift, shift
 from firstcontact.motion.translation import LARGEST, vector3
 
@@ -157,7 +157,10 @@ class CompositeQuadric(Placing):
 
     def _derived(self) -> Features:
         names = Names(self.name, self.parts, self.surfaces)
-        return derive(self.tree, self.surfaces, names, self._rough_box, self._reaches)
+        try:
+            return derive(self.tree, self.surfaces, names, self._rough_box, self._reaches)
+        except Undecidable as reason:
+            raise NotDerived(f"{self._who}: its edges come too close to each other to be told apart") from reason
 
     def _of_origin(self) -> Features | None:
         """Those of the model that this one is a translate of, which are worked out once for all of these."""
@@ -507,7 +510,10 @@ class CompositeQuadric(Placing):
 
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""
-        counts = (len(self.faces), "face"), (len(self.edges), "edge"), (len(self.vertices), "vertex")
+        try:
+            counts = [(len(self.faces), "face"), (len(self.edges), "edge"), (len(self.vertices), "vertex")]
+        except NotDerived:
+            counts = [(len(self.surfaces), "surface")]
         return f"<CompositeQuadric{name}: {', '.join(_count(n, what) for n, what in counts)}>"
 
     def _facts(self) -> tuple[Hashable, ...]:

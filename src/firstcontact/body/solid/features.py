@@ -42,6 +42,7 @@ from firstcontact.body.solid.intersections import common_curves, line
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent, patterns
 from firstcontact.body.solid.regions import Region, Regions, SurfaceReach, holds, holds_ball, hull, simplified
 from firstcontact.body.solid.trimming import BITS, INFINITY, Arc, Break, Loop, Trimmed, largest, trim
+from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import dyadic, precision, to_double
 
 if TYPE_CHECKING:
@@ -51,6 +52,10 @@ if TYPE_CHECKING:
     from firstcontact.body.solid.feature_names import Names
 
 EDGE_KINDS = ("convex", "reentrant", "smooth")
+
+
+class NotDerived(UnsupportedPair):
+    """No method here tells the edges of this solid; the text says which, and what would help."""
 
 
 @dataclass(frozen=True, eq=False)

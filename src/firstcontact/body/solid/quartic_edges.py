@@ -19,11 +19,10 @@ from flint import arb, arb_mat, fmpq, fmpq_mat
 
 from firstcontact.body.solid.carriers import EnclosedPoint, Quadric, QuarticCurve, Surface, doubles
 from firstcontact.body.solid.csg import Tree, outcomes
-from firstcontact.body.solid.features import EDGE_KINDS, EdgePiece, enclosure
+from firstcontact.body.solid.features import EDGE_KINDS, EdgePiece, NotDerived, enclosure
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent
 from firstcontact.body.solid.regions import Region, Regions, holds_ball, hull
 from firstcontact.body.solid.trimming import BITS
-from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.curves.quadric_curve import Branch, BranchSweep, Degenerate, QuadricEnd, swept
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision
 from firstcontact.exact.vectors import cross
@@ -131,7 +130,7 @@ def trace_quartics(
     curves: dict[tuple[int, ...], _Curve] = {}
     for on, region in where.items():
         if box is None:
-            raise UnsupportedPair(
+            raise NotDerived(
                 f"surfaces {on[0]} and {on[1]} meet in a curve of degree 4, and no bound of the solid is known; "
                 "intersect it with a box"
             )
@@ -250,7 +249,7 @@ class _Curve:
         try:
             self.sweep = swept(first.form, second.form, others, (lo, hi))
         except Degenerate as reason:
-            raise UnsupportedPair(
+            raise NotDerived(
                 f"surfaces {self.on[0]} and {self.on[1]} touch along a line, or a third one holds a part of their curve"
             ) from reason
         for branch in (b for cell in self.sweep.cells for b in cell):

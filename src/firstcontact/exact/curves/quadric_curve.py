@@ -21,7 +21,7 @@ from functools import cache, cmp_to_key
 from itertools import combinations, product
 from typing import Any, NamedTuple
 
-from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mat, fmpz_poly
+from flint import acb, arb, arb_poly, fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mat, fmpz_poly
 
 from firstcontact.exact.curves.fibres import simple_between
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
@@ -264,10 +264,8 @@ class _Fibres:
         return self._known[key]
 
     def _points(self, u: fmpq, bits: int) -> list[tuple[arb, arb]] | None:
-        polynomial = arb_poly([arb(p(u)) for p in self.fibre])
-        try:
-            roots = polynomial.complex_roots(tol=arb(2) ** (-bits // 2))
-        except ValueError:
+        roots = _complex_roots(fmpq_poly([p(u) for p in self.fibre]), bits)
+        if roots is None:
             return None
         real = [r for r in roots if r.imag.contains(0)]
         for r in real:  # a ball that meets its mirror image, and no other ball does, holds a real root
@@ -283,6 +281,15 @@ class _Fibres:
                 return None
             found.append((v, -_value(self.rest, u, v) / below))
         return found
+
+
+def _complex_roots(f: fmpq_poly, bits: int) -> list[acb] | None:
+    """Balls about the roots, as far as they are single."""
+    try:
+        return arb_poly(f).complex_roots(tol=arb(2) ** (-bits // 2))
+    except ValueError:  # the iteration may go round in circles near double roots, at any precision
+        found: list[Any] = f.complex_roots()
+        return [root for root, _ in found] if all(count == 1 for _, count in found) else None
 
 
 def _by_middle(x: arb, y: arb) -> int:
