@@ -74,7 +74,7 @@ class Moving(Written):
             raise InputError(f"span is {shown(span)}; give two times (first, last)") from reason
         if not first <= last:
             raise InputError(f"span is {shown(span)}; its end does not lie after its start")
-        points, error = _hull(self.body, (first, last))
+        points, error = hull_points(self.body, (first, last))
         if not np.all(np.isfinite(points)):
             return np.full(3, -np.inf), np.full(3, np.inf)
         return swept_box(self.motion, first, last, points, error)
@@ -110,7 +110,7 @@ def drift_of(body: AnyBody | Moving) -> Vector | None:
     return body.motion.vector if isinstance(body.motion, Translation) else None
 
 
-def _hull(body: Any, span: tuple[float, float]) -> tuple[np.ndarray, float]:
+def hull_points(body: Any, span: tuple[float, float]) -> tuple[np.ndarray, float]:
     """Points (n, 3) whose convex hull, grown by the returned length, holds the body at all times of the span."""
     if isinstance(getattr(body, "vertices", None), np.ndarray):
         return body.vertices, body.error

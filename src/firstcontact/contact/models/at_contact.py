@@ -61,15 +61,15 @@ def surfaces_there(bodies: tuple[Body, Body], span: tuple[float, float]) -> Near
 
     None where the bodies do more than shift.
     """
+    drifts = [drift for x in bodies if (drift := drift_of(x)) is not None]
+    if len(drifts) < len(bodies):
+        return None
     boxes: list[Any] = [x.bounds(span) for x in bodies]
     lo = np.maximum(boxes[0][0], boxes[1][0])
     hi = np.minimum(boxes[0][1], boxes[1][1])
     off = ROUNDED * max(float(np.abs(boxes).max(initial=0.0, where=np.isfinite(boxes))), 1e-300)
     found = []
-    for body in bodies:
-        drift = drift_of(body)
-        if drift is None:
-            return None
+    for body, drift in zip(bodies, drifts, strict=True):
         ends = np.outer(span, [to_double(x) for x in drift])
         least, most = lo - off - ends.max(axis=0), hi + off - ends.min(axis=0)
         if not np.isfinite(most - least).all():

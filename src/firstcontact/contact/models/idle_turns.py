@@ -7,7 +7,7 @@ than the other one comes, with its turn or without: a pin that turns about the a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -19,7 +19,7 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.revolution import is_same
 from firstcontact.contact.carried import carried
 from firstcontact.exact.vectors import cross
-from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.moving import Moving, hull_points, shape_of
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
@@ -122,11 +122,11 @@ def _is_round_near(body: Body, turn: Rotation, other: Moving, span: Span) -> boo
         return False
     if not any(is_same(surface, turn.axis, turn.point) for surface in model.surfaces):
         return False
-    if not _is_round_in(_region(body, (other,), span), model, turn):
+    if not all(_is_round_in(region(body, other, span), model, turn) for region in (_passage, _region)):
         return False  # nor is it in more of space
     assert isinstance(other.motion, Rotation | Screw)
     unturned = Moving(other.body, _ahead(other.motion))
-    return _is_round_in(_region(body, (other, unturned), span), model, turn)
+    return _is_round_in(_region(body, other, span, unturned), model, turn)
 
 
 def _is_round_in(region: np.ndarray, model: CompositeQuadric, turn: Rotation) -> bool:
@@ -135,10 +135,22 @@ def _is_round_in(region: np.ndarray, model: CompositeQuadric, turn: Rotation) ->
     return all(is_same(surface, turn.axis, turn.point) for surface in model.passing(*region))
 
 
-def _region(body: Body, ways: Iterable[Body], span: Span) -> np.ndarray:
+def _passage(body: Body, other: Moving, span: Span) -> np.ndarray:
+    """Corners (2, 3) of a box within that of `_region`, found sooner: from where another starts to where it ends."""
+    points, _ = hull_points(other.body, span)
+    poses = [(other.motion(t)[:3], _shift(body, t)) for t in span]
+    ends = np.concatenate([points @ pose[:, :3].T + (pose[:, 3] - shift) for pose, shift in poses])
+    return np.array([ends.min(axis=0), ends.max(axis=0)])
+
+
+def _region(body: Body, other: Moving, span: Span, *more: Moving) -> np.ndarray:
     """Corners (2, 3) of one box, in the frame of a body that shifts at most, of all places of others."""
-    boxes = np.array([way.bounds(span) for way in ways])
-    shifts = np.array([body.motion(t)[:3, 3] if isinstance(body, Moving) else np.zeros(3) for t in span])
+    boxes = np.array([way.bounds(span) for way in (other, *more)])
+    shifts = np.array([_shift(body, t) for t in span])
     lo, hi = boxes[:, 0].min(axis=0) - shifts.max(axis=0), boxes[:, 1].max(axis=0) - shifts.min(axis=0)
     slack = 1e-12 * (np.abs(boxes).max() + np.abs(shifts).max())
     return np.array([lo - slack, hi + slack])
+
+
+def _shift(body: Body, t: float) -> np.ndarray:
+    return body.motion(t)[:3, 3] if isinstance(body, Moving) else np.zeros(3)
