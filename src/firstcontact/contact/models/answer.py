@@ -14,8 +14,7 @@ from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.algorithm import Candidate, CandidateSearch, Meeting, Root
 from firstcontact.contact.models.contact_sets import cartesian
 from firstcontact.contact.models.largest_set import NEAR, largest_set
-from firstcontact.contact.models.membership import form_at, is_plane
-from firstcontact.contact.models.moving_pair import Form, MovingPair
+from firstcontact.contact.models.moving_pair import Form, MovingPair, form_at, is_plane
 from firstcontact.contact.reduce import face_at
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import precision

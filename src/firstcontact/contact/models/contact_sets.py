@@ -17,8 +17,8 @@ import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.body.solid.csg import Tree, possible
-from firstcontact.contact.models.membership import On, Vector, form_at, in_both, is_plane
-from firstcontact.contact.models.moving_pair import MovingPair
+from firstcontact.contact.models.membership import On, Vector, in_both
+from firstcontact.contact.models.moving_pair import MovingPair, form_at, is_plane
 from firstcontact.exact.fields.number_field import QuadraticElement, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import exact_value, precision

@@ -83,6 +83,9 @@ def _windows(search: CandidateSearch, free_until: float) -> Iterator[tuple[Windo
     apart.
     """
     piece = search.pair.piece
+    if piece.start == piece.end:
+        yield from _instant(search)
+        return
     start: WindowEnd | None = None
     apart = False
     passed: list[Candidate] | None = None
@@ -116,6 +119,16 @@ def _windows(search: CandidateSearch, free_until: float) -> Iterator[tuple[Windo
             raise UnsupportedPair("the models share a point though no candidate is a contact")
     if start is not None:
         yield start, before
+
+
+def _instant(search: CandidateSearch) -> Iterator[tuple[WindowEnd, WindowEnd]]:
+    """That of a piece that is one instant: no times between candidates are left at which to look.
+
+    u_lo is the instant, or before it where that is irrational, with no candidate between.
+    """
+    if search.at_start() or _share(search, search.pair.piece.u_lo, None):
+        end = WindowEnd(search, None, search.pair.piece.start)
+        yield end, end
 
 
 def _share(search: CandidateSearch, u: fmpq, passed: list[Candidate] | None) -> bool:

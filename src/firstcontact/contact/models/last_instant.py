@@ -15,8 +15,7 @@ from flint import arb, fmpq
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.revolution import is_same
 from firstcontact.contact.models.algorithm import CandidateSearch, Meeting
-from firstcontact.contact.models.membership import form_at, is_plane
-from firstcontact.contact.models.moving_pair import Form, MovingPair
+from firstcontact.contact.models.moving_pair import Form, MovingPair, form_at, is_plane
 from firstcontact.exact.fields.number_field import ball
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.polynomials.inertia import dot, value

@@ -11,7 +11,8 @@ from flint import arb
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import borders, outcomes
 from firstcontact.body.solid.features import Edge, Face, Vertex
-from firstcontact.contact.models.moving_pair import Form, MovingPair
+from firstcontact.contact.models.dangling import is_dangling
+from firstcontact.contact.models.moving_pair import Form, MovingPair, form_at, is_plane
 from firstcontact.exact.fields.number_field import NumberField, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import Undecidable, precision
@@ -49,8 +50,9 @@ def in_both(pair: MovingPair, x: Vector, root: Root, on_a: On, on_b: On) -> str:
     """"" when x lies in both closed models, on the faces asked for, else why not: which it is outside of,
     or beyond the feature of.
 
-    A point on several surfaces counts as in the model when some pattern of their signs does: exact where their
-    gradients are independent.  Undecidable where enclosures leave signs open that matter.
+    A point on several surfaces counts as in the model when some pattern of their signs does that may occur near it:
+    exact where their gradients are independent, or sums of the forms rule out the others.  Undecidable where enclosures
+    leave signs open that matter.
     """
     for body, forms, on, who in ((pair.a, pair.forms_a, on_a, "a"), (pair.b, pair.forms_b, on_b, "b")):
         signs = [0 if k in on.surfaces else sign_at(form, x, root) for k, form in enumerate(forms)]
@@ -58,12 +60,21 @@ def in_both(pair: MovingPair, x: Vector, root: Root, on_a: On, on_b: On) -> str:
         inside = {True in outcomes(body.tree, _with(signs, unknown, s)) for s in product((-1, 1), repeat=len(unknown))}
         if len(inside) == 2:
             raise Undecidable(f"precision: whether the point lies in {body.name or who}")
-        if not any(inside):
+        if not any(inside) or _is_dangling(body, forms, signs, x, root):
             return f"outside {body.name or who}"
         choices = product((-1, 1), repeat=len(unknown))
         if on.faces and not any(_on_faces(body, _with(signs, unknown, s), on) for s in choices):
             return f"beyond the feature of {body.name or who}"
     return ""
+
+
+def _is_dangling(
+    body: CompositeQuadric, forms: Sequence[Form], signs: Sequence[int | None], x: Vector, root: Root
+) -> bool:
+    exact = [s for s in signs if s is not None]
+    if len(exact) < len(signs) or not isinstance(root, AlgebraicRoot) or any(isinstance(c, EnclosedNumber) for c in x):
+        return False
+    return is_dangling(body.tree, forms, exact, x, NumberField(root))
 
 
 def _on_faces(body: CompositeQuadric, signs: Sequence[int], on: On) -> bool:
@@ -96,15 +107,6 @@ def sign_at(form: Form, x: Vector, root: Root) -> int | None:
     if is_plane(form):
         return sign(dot([field(c) for c in form], x)) * sign(x[3])
     return sign(value(field.matrix(form), x))
-
-
-def is_plane(form: Form) -> bool:
-    return not isinstance(form[0], tuple)
-
-
-def form_at(form: Form, u: arb) -> Any:
-    """The form at an enclosure of u."""
-    return [c(u) for c in form] if is_plane(form) else [[c(u) for c in row] for row in form]
 
 
 def form_value(form: Any, x: Sequence[arb]) -> Any:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpz_poly
+from flint import arb, fmpq, fmpz_poly
 
 from firstcontact.body.solid.carriers import AlgebraicPoint, Conic, Line, Plane, Point, Quadric, Rows
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
@@ -18,6 +18,15 @@ from firstcontact.motion.relative.polynomial import PolynomialPiece
 
 Form = tuple[Any, ...]
 """A plane as its 4-vector, a quadric as its symmetric 4x4 matrix."""
+
+
+def is_plane(form: Form) -> bool:
+    return not isinstance(form[0], tuple)
+
+
+def form_at(form: Form, u: arb) -> Any:
+    """The form at an enclosure of u."""
+    return [c(u) for c in form] if is_plane(form) else [[c(u) for c in row] for row in form]
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,103 @@
+"""Points where the closed forms of a solid meet though none of its inner points is near: the solid is regularised.
+
+Let forms Q_i vanish at p, with gradients g_i there of which no fewer are dependent than all, sum c_i g_i = 0.  Then
+K = sum c_i Q_i is a quadratic form in x - p, without any other terms.  Where all c_i Q_i < 0, so is K, and all are less
+than |K|.  In coordinates (t, h) along and across the space T that all g_i are normal to, h = O(|K|) + O(|x - p|^2), the
+second term being that of quadrics only.  Such points do not come near p if K is
+
+*   positive definite on T: K(t, h) = K(t, 0) + O(|h| |x - p|),
+*   nowhere negative on T, and at most one of the forms is no plane's: h = O(|K|) then, as planes tell it,
+*   or nowhere negative.
+
+Nor do those where all c_i Q_i > 0, with the signs of K the other way.  Patterns of signs that are ruled out so, by
+Gordan's theorem of the alternative for forms of degree 2, do not occur: of two surfaces that touch from outside, of
+three planes whose half-spaces share a line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations, product
+from typing import Any
+
+from firstcontact.body.solid.csg import Tree, inside, pattern
+from firstcontact.contact.models.moving_pair import Form, form_at, is_plane
+from firstcontact.exact.fields.number_field import NumberField, ball, is_zero, sign
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.polynomials.inertia import Rows, dot, inertia, null_space
+from firstcontact.exact.vectors import cross
+
+MOST = 8
+"""Forms that vanish in one point, of whose patterns all are looked at."""
+BITS = 96
+
+_NONE = ((0,) * 3,) * 3
+
+Pattern = dict[int, bool]
+"""Of some forms, whether they are negative."""
+
+
+def is_dangling(tree: Tree, forms: Sequence[Form], signs: Sequence[int], x: Sequence[Any], field: NumberField) -> bool:
+    """Whether it is proved that no inner point of the solid is near the point x (homogeneous, over the field).
+
+    signs: of all forms there, exact.
+    """
+    on = [k for k, found in enumerate(signs) if found == 0]
+    if not 2 <= len(on) <= MOST or _are_independent(forms, on, x, field):
+        return False
+    flat = [is_plane(forms[k]) for k in on]
+    exact: list[Any] = [
+        [field(c) for c in forms[k]] if plane else field.matrix(forms[k]) for k, plane in zip(on, flat, strict=True)
+    ]
+    gradients = [_gradient(form, plane, x) for form, plane in zip(exact, flat, strict=True)]
+    seconds = [
+        _NONE if plane else [row[:3] for row in form[:3]] for form, plane in zip(exact, flat, strict=True)
+    ]
+    barred = list(_barred(gradients, seconds))
+    return bool(barred) and not any(
+        inside(tree, pattern(signs, on, chosen))
+        for chosen in product((True, False), repeat=len(on))
+        if not any(all(chosen[i] is negative for i, negative in one.items()) for one in barred)
+    )
+
+
+def _are_independent(forms: Sequence[Form], on: Sequence[int], x: Sequence[Any], field: NumberField) -> bool:
+    """Whether balls show that the gradients are: then all patterns occur."""
+    if len(on) > 3:
+        return False
+    with precision(BITS):
+        u, at = field.root.enclosure(BITS), [ball(c, BITS) for c in x]
+        gradients = [_gradient(form_at(forms[k], u), is_plane(forms[k]), at) for k in on]
+        n = cross(*gradients[:2])
+        found = [dot(n, gradients[2])] if len(on) == 3 else n
+        return any(bool(value > 0 or value < 0) for value in found)
+
+
+def _gradient(form: Any, flat: bool, x: Sequence[Any]) -> list[Any]:
+    """x[3] times that of the form; numbers of any kind."""
+    return [c * x[3] for c in form[:3]] if flat else [2 * dot(row, x) for row in form[:3]]
+
+
+def _barred(gradients: Sequence[Sequence[Any]], seconds: Sequence[Sequence[Sequence[Any]]]) -> Iterator[Pattern]:
+    """Patterns that do not occur, of forms by their gradients and their parts of degree 2."""
+    for count in range(1, 5):
+        for chosen in combinations(range(len(gradients)), count):
+            relations = null_space([[gradients[i][k] for i in chosen] for k in range(3)])
+            if len(relations) != 1 or any(is_zero(c) for c in relations[0]):
+                continue  # they are independent, or fewer of them are dependent already
+            (c,) = relations
+            total = [[dot(c, [seconds[i][r][s] for i in chosen]) for s in range(3)] for r in range(3)]
+            curved = sum(seconds[i] is not _NONE for i in chosen)
+            for side in (1, -1):
+                if _is_kept_off(total, [gradients[i] for i in chosen], side, curved):
+                    yield {i: side * sign(value) > 0 for i, value in zip(chosen, c, strict=True)}
+
+
+def _is_kept_off(total: Rows, gradients: Rows, side: int, curved: int) -> bool:
+    """Whether no points near have side c_i Q_i < 0 for all i; total: of K; curved: how many forms are quadrics."""
+    along = null_space(gradients)
+    on_t = inertia([[dot(v, [dot(row, w) for row in total]) for w in along] for v in along])
+    positive, negative = on_t[:2] if side > 0 else on_t[1::-1]
+    if positive == len(along) or (negative == 0 and curved <= 1):
+        return True
+    return inertia(total)[1 if side > 0 else 0] == 0
