@@ -168,3 +168,35 @@ def test_a_point_that_lands_on_an_edge_only_where_the_pose_is_rounded(pin, sign)
 
 def ball(x: F) -> arb:
     return arb(fmpq(x.numerator, x.denominator))
+
+
+TABLE = fc.box((60, 60, 5)).translated((0, 0, "-5/2"))
+HOLED_TABLE = TABLE - fc.cylinder(1, 50).translated((20, 20, 0))
+STANDING = {
+    "tube": ((fc.cylinder(2, 1) - fc.cylinder(1, 3)).translated((0, 0, "1/2")), TABLE),
+    "block": (fc.box((2, 2, 1)).translated((0, 0, "1/2")), HOLED_TABLE),
+    "pin": (fc.cylinder(1, 1).translated((0, 0, "1/2")), HOLED_TABLE),
+    "tip": (fc.paraboloid((1, 1), 1), HOLED_TABLE),
+}
+"""Bodies with their lowest points in z = 0, and tables whose tops are there."""
+DOWN = {
+    "screw": (fc.Screw(Z, (1, 1, 0), degrees=123, advance=-1), None),
+    "full turn": (fc.Screw(Z, (1, 1, 0), turns=1, advance=-1), None),
+    "beside a slide": (fc.Screw(Z, (1, 1, 0), degrees=123, advance=-1), fc.Translation(("3/8", "1/4", 0))),
+    "after a turn": (fc.Sequence([fc.Rotation(Z, degrees=33), fc.Translation((0, 0, -1))]), None),
+}
+"""All of height 1 - t at the end, that of the table."""
+
+
+@pytest.mark.parametrize("way", DOWN)
+@pytest.mark.parametrize("name", STANDING)
+def test_a_landing_in_the_last_instant_is_not_free(name, way):
+    """Balls that know the event to be the end itself took it for none before the end."""
+    (body, table), (motion, slide) = STANDING[name], DOWN[way]
+    a, b = body.translated((0, 0, 1)).moving(motion), table if slide is None else table.moving(slide)
+    for pair in ((a, b), (b, a)):
+        hit = fc.first_contact(*pair)
+        assert hit.status is not fc.Status.FREE
+        assert hit.free_until <= 1
+        if way != "after a turn":  # its pose before the last step is irrational
+            assert (hit.status, hit.time) == (fc.Status.CONTACT, 1)

@@ -102,6 +102,12 @@ class RationalMotion(Motion):
         """Degree in t of the coefficients given."""
         return len(self.coefficients) - 1
 
+    @property
+    def starts_here(self) -> bool:
+        """Whether its pose at t = 0 is the identity."""
+        weight = self.pose[3][3][0]
+        return all(x[0] == (weight if i == j else 0) for i, row in enumerate(self.pose) for j, x in enumerate(row))
+
     def __call__(self, t: float) -> np.ndarray:
         """The (4, 4) float64 pose at time t of the span: every entry the double nearest the truth."""
         if not 0 <= double_of(t) <= 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
+from bisect import bisect_right
 from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
@@ -83,6 +83,12 @@ class Sequence(Motion):
         """By how much an entry of a rounded pose is off the rotation that it stands for, at most, over all steps."""
         return max((step.correction for step in self.steps if isinstance(step, RationalMotion)), default=0.0)
 
+    @property
+    def jumps(self) -> tuple[fmpq, ...]:
+        """When the body jumps: at starts of steps, but for the first, whose own pose at t = 0 is not the identity."""
+        later = zip(self.steps[1:], self.ends, strict=False)
+        return tuple(end for step, end in later if isinstance(step, RationalMotion) and not step.starts_here)
+
     def before(self, k: int) -> Placement:
         """The pose that step k is applied to: where the steps before it end."""
         if not self._before:
@@ -97,11 +103,11 @@ class Sequence(Motion):
         return 0.0, to_double(self.ends[-1])
 
     def __call__(self, t: float) -> np.ndarray:
-        """The (4, 4) float64 pose at time t of the span."""
+        """The (4, 4) float64 pose at time t of the span; that after the jump where the body jumps then."""
         t = double_of(t)
         if not 0 <= t <= self.span[1]:
             raise InputError(f"time {t} is outside the span {self.span} of the Sequence")
-        k = min(bisect_left([to_double(end) for end in self.ends], t), len(self.steps) - 1)
+        k = min(bisect_right([to_double(end) for end in self.ends], t), len(self.steps) - 1)
         start, end = self.starts[k], self.ends[k]
         local = (float(t) - to_double(start)) / to_double(end - start)
         pose: np.ndarray = self.steps[k](min(max(local, 0.0), 1.0)) @ self.before(k).doubles()

@@ -228,12 +228,10 @@ class EventSearch:
         boxes = self.pool[start : start + count].copy()
         first, last, fine = (exact_value(x) for x in (lo, end, LEAST * self.width))
         most = max(self.budget - self.done, 0) // WORTH
-        event, looked = earliest_event(self.bodies, self.tables, window, boxes, first, last, fine, most)
+        told, event, looked = earliest_event(self.bodies, self.tables, window, boxes, first, last, fine, most)
         self.counters[VISITS] += WORTH * looked
-        if event is None:
-            return None
-        ahead = below(event) - BEFORE * self.width if event < last else end
-        return (ahead, event if event < last else None) if ahead > lo else None
+        ahead = end if event is None else below(event) - BEFORE * self.width
+        return (ahead, event) if told and ahead > lo else None
 
     def covered(self, window: Window, lo: float, end: float) -> int:
         """As `searched` for events in [lo, end], which is not cut."""

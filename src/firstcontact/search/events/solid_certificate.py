@@ -58,25 +58,29 @@ Feature = Face | Edge | Vertex
 def earliest_event(
     bodies: tuple[Body, Body], tables: Tables, window: Window, boxes: np.ndarray, first: fmpq, last: fmpq, fine: fmpq,
     most: int,
-) -> tuple[fmpq | None, int]:  # fmt: skip
-    """(a time after `first` before which the boxes hold no event, `last` where they hold none up to then; how many
-    boxes were looked at in balls, at most so many).
+) -> tuple[bool, fmpq | None, int]:  # fmt: skip
+    """(whether balls tell; a time after `first` before which the boxes hold no event, None where they hold none up to
+    `last`, that included; how many boxes were looked at in balls, at most so many).
 
-    None where balls tell no time.  fine: how well it is to be known.
+    fine: how well the time is to be known.
     """
     pairs = [(box, pair) for box in boxes for pair in _pairs_of(tables, box)]
     if len(pairs) > MOST_BOXES:
-        return None, 0
-    found, left = last, most
+        return False, None, 0
+    found: fmpq | None = None
+    left = most
     with precision(BITS):
         jets = PoseJet(bodies[0], window), PoseJet(bodies[1], window)
         for box, pair in pairs:
             place = EventPlace(bodies, tables, jets, int(box[CHART]), pair)
             times, looked = place.times(box, fine, min(left, MOST))
-            found, left = min([found, *times]), left - looked
-            if found <= first + fine:
-                return None, most - left
-    return found, most - left
+            left -= looked
+            for time in times:
+                if time <= first + fine:
+                    return False, None, most - left
+                if time <= (last if found is None else found):
+                    found = time
+    return True, found, most - left
 
 
 def _pairs_of(tables: Tables, box: np.ndarray) -> Sequence[int]:

@@ -1,0 +1,90 @@
+"""Motions that jump: what happens before and after a jump are questions of their own.
+
+A search follows bodies from where they start, outside of each other; after a jump they may be anywhere, as they may be
+at a start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import pairwise
+
+from flint import fmpq
+
+from firstcontact.contact.compound.answer import joined
+from firstcontact.contact.later import waiting
+from firstcontact.exact.numbers import above, below, fraction, to_double
+from firstcontact.motion.moving import Moving
+from firstcontact.motion.sequence import Sequence
+from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
+from firstcontact.work import Query
+
+
+def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
+    """What `answer` tells of the query."""
+    times = _jumps(query)
+    if not times:
+        return answer(query)
+    stats = Stats()
+    for own in _stretches(query, times):
+        found = answer(_with_rest(own, query, stats))
+        stats = replace(stats + found.stats, seconds=query.stats().seconds)
+        if found.status is not Status.FREE:
+            later = own.first > query.first and found.status is Status.INITIAL_CONTACT
+            return _at_jump(found, own.first, query, stats) if later else replace(found, stats=stats, **query.shared)
+    return FirstContact.free(stats, **query.shared)
+
+
+def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
+    """What `answer` tells of the query."""
+    times = _jumps(query)
+    if not times:
+        return answer(query)
+    told, stats = list[ContactIntervals](), Stats()
+    for own in _stretches(query, times):
+        told.append(answer(_with_rest(own, query, stats)))
+        stats = stats + told[-1].stats
+        if told[-1].status is Status.UNDECIDED:
+            break
+    return replace(joined(query, told), stats=replace(stats, seconds=query.stats().seconds))
+
+
+def _jumps(query: Query) -> list[fmpq]:
+    """The times within the span, which has an end where a body does steps, at which one jumps; ascending."""
+    if query.last is None:
+        return []
+    motions = [body.motion for body in query.bodies if isinstance(body, Moving)]
+    times = {t for motion in motions if isinstance(motion, Sequence) for t in motion.jumps}
+    return sorted(t for t in times if query.first < t < query.last)
+
+
+def _stretches(query: Query, times: list[fmpq]) -> Iterator[Query]:
+    """The question about each stretch between jumps, of bodies that stand at its end as they do before the jump."""
+    for start, end in pairwise([query.first, *times, query.end]):
+        a, b = (_until(body, end) if end < query.end else body for body in query.bodies)
+        yield replace(query, a=a, b=b, first=start, last=end, tolerance=query.tolerance_within(start, end))
+
+
+def _until(body: object, end: fmpq) -> object:
+    """The body without its steps from then on."""
+    if not isinstance(body, Moving) or not isinstance(body.motion, Sequence) or end not in body.motion.jumps:
+        return body
+    steps = [step for step, start in zip(body.motion.steps, body.motion.starts, strict=True) if start < end]
+    return Moving(body.body, Sequence(steps, [fraction(x) for x in body.motion.durations[: len(steps)]]))
+
+
+def _with_rest(own: Query, query: Query, stats: Stats) -> Query:
+    """With what is left of the budget."""
+    if query.budget is None:
+        return own
+    return replace(own, budget=max(query.budget - stats.node_visits - stats.pair_tests, 0))
+
+
+def _at_jump(found: FirstContact, time: fmpq, query: Query, stats: Stats) -> FirstContact:
+    """A start in contact that is one after a jump."""
+    around = below(time), above(time)
+    return waiting(
+        found, lambda: {"initial": None}, status=Status.CONTACT, time=to_double(time), time_interval=around,
+        time_exact=fraction(time) if query.exact else None, free_until=around[0], stats=stats, **query.shared,
+    )  # fmt: skip
