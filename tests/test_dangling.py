@@ -33,20 +33,23 @@ MISSES = {
     "box on a point": (fc.box((1, 1, 1)).translated((0, 0, 3)).moving(fc.Translation((0, 0, -2))), BOWL),
     "box on an edge": (fc.box((1, 1, 1)).translated((1, -1, 0)).moving(fc.Translation((-2, 0, 0))), STEPS),
     "triangle on a point": (
-        fc.Polyhedron([(-1, -1, 3), (1, -1, 3), (0, 1, 3)], [(0, 1, 2)]).moving(fc.Translation((0, 0, -4))), BOWL
+        fc.Polyhedron([(-1, -1, 3), (1, -1, 3), (0, 1, 3)], [(0, 1, 2)]).moving(fc.Translation((0, 0, -3))), BOWL
     ),
     "turning box on a point": (
         fc.box((1, 1, 1)).translated((0, 0, "3/2")).moving(fc.Rotation((0, 0, 1), degrees=180)), BOWL
     ),
 }  # fmt: skip
 HITS = {
+    "triangle on the other bowl": (
+        fc.Polyhedron([(-1, -1, 3), (1, -1, 3), (0, 1, 3)], [(0, 1, 2)]).moving(DROP), BOWL, F(1, 2)
+    ),
     "ball on the other wall": (fc.sphere("1/2").translated((0, -1, 4)).moving(DROP), WALL, F(5, 16)),
     "ball through a bowl": (fc.sphere("1/2").translated((0, 0, 5)).moving(DROP), BOWL, F(11, 16)),
     "box on the other box": (
         fc.box((1, 1, 1)).translated((2, -3, 0)).moving(fc.Translation((-8, 0, 0))), STEPS, F(7, 16)
     ),
 }  # fmt: skip
-"""And when: the balls come down on z = 1, and x = -2 is a face of the box beside."""
+"""And when: the balls come down on z = 1, the triangle on z = -1, and x = -2 is a face of the box beside."""
 
 
 @pytest.mark.parametrize("exact", [False, True], ids=["default", "exact"])

@@ -85,6 +85,8 @@ class CompositeQuadric(Placing):
     """
 
     kind = "CompositeQuadric"
+    regular = True
+    """Whether it is the closure of its inner points."""
 
     def __init__(
         self,

@@ -46,6 +46,7 @@ class Patch:
     vertices: tuple[Vertex, ...]
     seams: tuple[Edge, ...] = ()
     whole: None = None
+    regular: bool = False
     corners: tuple[np.ndarray, np.ndarray] = field(default_factory=lambda: (np.zeros(3), np.zeros(3)))
     hulls: dict[Face | Edge, list[Vector]] = field(default_factory=dict)
     """The corners of every face and edge."""

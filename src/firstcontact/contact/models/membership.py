@@ -72,7 +72,9 @@ def _is_dangling(
     body: CompositeQuadric, forms: Sequence[Form], signs: Sequence[int | None], x: Vector, root: Root
 ) -> bool:
     exact = [s for s in signs if s is not None]
-    if len(exact) < len(signs) or not isinstance(root, AlgebraicRoot) or any(isinstance(c, EnclosedNumber) for c in x):
+    if not body.regular or len(exact) < len(signs):
+        return False
+    if not isinstance(root, AlgebraicRoot) or any(isinstance(c, EnclosedNumber) for c in x):
         return False
     return is_dangling(body.tree, forms, exact, x, NumberField(root))
 
