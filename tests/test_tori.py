@@ -14,6 +14,7 @@ from flint import fmpq, fmpq_poly
 import firstcontact as fc
 from firstcontact.body.torus.torus import torus as made
 from firstcontact.cli import run
+from firstcontact.contact.torus import free
 from firstcontact.contact.torus.nets import Nets
 from firstcontact.errors import InputError
 from firstcontact.exact.fields.roots import real_roots
@@ -460,3 +461,16 @@ def test_elements_of_a_wide_enclosure_are_named(turn):
         found = fc.first_contact(ring.moving(turn), body, tolerance=1e-3)
         assert found.status is fc.Status.CONTACT and found.element_a.kind == found.element_b.kind == "face"
         assert met in found.element_b.label
+
+
+def test_a_ring_that_stays_close_to_a_peg_ends(monkeypatch):
+    """It screws down a peg that nearly fills its hole, 1e-12 from it for half of the time: free, but only steps of time
+    as small would prove it.  Looks are cut short here; without a limit there were millions."""
+    monkeypatch.setattr(free, "MOST_LOOKS", 60)
+    large, small, radius, height = F(23, 8), F(115, 64), F(1035, 1024), F(77, 16)
+    aside = large - small - radius - F(1, 10**12)
+    peg = fc.cylinder(radius, height).translated((aside, 0, height / 2 + small + 1))
+    ring = fc.torus(large, small).moving(fc.Screw((0, 0, 1), degrees=180, advance=2 * small + 2))
+    hit = fc.first_contact(ring, peg)
+    assert (hit.status, hit.reason) == (fc.Status.UNDECIDED, "precision")
+    assert 0 < hit.free_until < 1

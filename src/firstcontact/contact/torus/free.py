@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 FINE = 0.1
 """Of the width of enclosures: stretches of time that are not halved."""
+MOST_LOOKS = 1500
+"""Stretches of time looked at one by one, far more than questions that end need, before they are not cut further:
+bodies that stay so close would be followed in steps too small for minutes."""
 ROUNDS, MOST_ROUNDS = 4, 120
 """How often cells are halved in a stretch of time that is halved then, and in one that is not."""
 SEEDS = 4
@@ -110,11 +113,11 @@ class TorusFree:
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
         cells = self.roles.surface
-        waiting = [(t, end, cells.all())]
+        waiting, looks = [(t, end, cells.all())], 0
         while waiting:
             lo, hi, rows = waiting.pop()
-            middle = lo + 0.5 * (hi - lo)
-            is_last = hi - lo <= FINE * self.width or not lo < middle < hi
+            middle, looks = lo + 0.5 * (hi - lo), looks + 1
+            is_last = hi - lo <= FINE * self.width or not lo < middle < hi or looks > MOST_LOOKS
             rows = self._left(window, cells, (lo, hi), rows, MOST_ROUNDS if is_last else ROUNDS)
             if not len(rows):
                 continue
