@@ -33,11 +33,13 @@ BITS = 96
 
 _NONE = ((0,) * 3,) * 3
 
+Numbers = Sequence[Any]
+"""Of any kind: of a field, or balls."""
 Pattern = dict[int, bool]
 """Of some forms, whether they are negative."""
 
 
-def is_dangling(tree: Tree, forms: Sequence[Form], signs: Sequence[int], x: Sequence[Any], field: NumberField) -> bool:
+def is_dangling(tree: Tree, forms: Sequence[Form], signs: Sequence[int], x: Numbers, field: NumberField) -> bool:
     """Whether it is proved that no inner point of the solid is near the point x (homogeneous, over the field).
 
     signs: of all forms there, exact.
@@ -61,7 +63,7 @@ def is_dangling(tree: Tree, forms: Sequence[Form], signs: Sequence[int], x: Sequ
     )
 
 
-def _are_independent(forms: Sequence[Form], on: Sequence[int], x: Sequence[Any], field: NumberField) -> bool:
+def _are_independent(forms: Sequence[Form], on: Sequence[int], x: Numbers, field: NumberField) -> bool:
     """Whether balls show that the gradients are: then all patterns occur."""
     if len(on) > 3:
         return False
@@ -73,12 +75,12 @@ def _are_independent(forms: Sequence[Form], on: Sequence[int], x: Sequence[Any],
         return any(bool(value > 0 or value < 0) for value in found)
 
 
-def _gradient(form: Any, flat: bool, x: Sequence[Any]) -> list[Any]:
+def _gradient(form: Form | Rows, flat: bool, x: Numbers) -> Numbers:
     """x[3] times that of the form; numbers of any kind."""
     return [c * x[3] for c in form[:3]] if flat else [2 * dot(row, x) for row in form[:3]]
 
 
-def _barred(gradients: Sequence[Sequence[Any]], seconds: Sequence[Sequence[Sequence[Any]]]) -> Iterator[Pattern]:
+def _barred(gradients: Rows, seconds: Sequence[Rows]) -> Iterator[Pattern]:
     """Patterns that do not occur, of forms by their gradients and their parts of degree 2."""
     for count in range(1, 5):
         for chosen in combinations(range(len(gradients)), count):
