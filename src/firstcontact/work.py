@@ -177,6 +177,10 @@ class Query:
         """Whether any way may answer."""
         return not self.exact and self.method == "auto"
 
+    def budget_after(self, done: Stats) -> int | None:
+        """What such work leaves of the budget."""
+        return None if self.budget is None else max(self.budget - done.node_visits - done.pair_tests, 0)
+
     def tolerance_within(self, first: fmpq, last: fmpq) -> float:
         """The tolerance of a part of the span whose answer is to be as close in time as that to the whole."""
         return self.tolerance * to_double((self.end - self.first) / (last - first)) if last > first else self.tolerance

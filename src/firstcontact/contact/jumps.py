@@ -28,7 +28,7 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
         return answer(query)
     stats = Stats()
     for own in _stretches(query, times):
-        found = answer(_with_rest(own, query, stats))
+        found = answer(replace(own, budget=query.budget_after(stats)))
         stats = replace(stats + found.stats, seconds=query.stats().seconds)
         if found.status is not Status.FREE:
             later = own.first > query.first and found.status is Status.INITIAL_CONTACT
@@ -43,7 +43,7 @@ def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> Cont
         return answer(query)
     told, stats = list[ContactIntervals](), Stats()
     for own in _stretches(query, times):
-        told.append(answer(_with_rest(own, query, stats)))
+        told.append(answer(replace(own, budget=query.budget_after(stats))))
         stats = stats + told[-1].stats
         if told[-1].status is Status.UNDECIDED:
             break
@@ -72,13 +72,6 @@ def _until(body: object, end: fmpq) -> object:
         return body
     steps = [step for step, start in zip(body.motion.steps, body.motion.starts, strict=True) if start < end]
     return Moving(body.body, Sequence(steps, [fraction(x) for x in body.motion.durations[: len(steps)]]))
-
-
-def _with_rest(own: Query, query: Query, stats: Stats) -> Query:
-    """With what is left of the budget."""
-    if query.budget is None:
-        return own
-    return replace(own, budget=max(query.budget - stats.node_visits - stats.pair_tests, 0))
 
 
 def _at_jump(found: FirstContact, time: fmpq, query: Query, stats: Stats) -> FirstContact:

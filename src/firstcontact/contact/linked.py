@@ -99,8 +99,8 @@ def _without_shared(query: Query) -> tuple[Query, Linkage | None]:
 def _during(query: Query, run: Run, stats: Stats) -> Query:
     """The query about one run, with what is left of the budget; the tolerance is a share of all of the span."""
     a, b = (_cut(body, run) for body in query.bodies)
-    left = None if query.budget is None else max(query.budget - stats.node_visits - stats.pair_tests, 0)
-    return replace(query, a=a, b=b, first=run[0], last=run[1], budget=left, tolerance=query.tolerance_within(*run))
+    left, tolerance = query.budget_after(stats), query.tolerance_within(*run)
+    return replace(query, a=a, b=b, first=run[0], last=run[1], budget=left, tolerance=tolerance)
 
 
 def _cut(body: Body, run: Run) -> Body:

@@ -47,14 +47,9 @@ def is_dangling(tree: Tree, forms: Sequence[Form], signs: Sequence[int], x: Numb
     on = [k for k, found in enumerate(signs) if found == 0]
     if not 2 <= len(on) <= MOST or _are_independent(forms, on, x, field):
         return False
-    flat = [is_plane(forms[k]) for k in on]
-    exact: list[Any] = [
-        [field(c) for c in forms[k]] if plane else field.matrix(forms[k]) for k, plane in zip(on, flat, strict=True)
-    ]
-    gradients = [_gradient(form, plane, x) for form, plane in zip(exact, flat, strict=True)]
-    seconds = [
-        _NONE if plane else [row[:3] for row in form[:3]] for form, plane in zip(exact, flat, strict=True)
-    ]
+    exact = [_over(forms[k], field) for k in on]
+    gradients = [_gradient(form, x) for form in exact]
+    seconds = [_NONE if is_plane(form) else [row[:3] for row in form[:3]] for form in exact]
     barred = list(_barred(gradients, seconds))
     return bool(barred) and not any(
         inside(tree, pattern(signs, on, chosen))
@@ -69,15 +64,20 @@ def _are_independent(forms: Sequence[Form], on: Sequence[int], x: Numbers, field
         return False
     with precision(BITS):
         u, at = field.root.enclosure(BITS), [ball(c, BITS) for c in x]
-        gradients = [_gradient(form_at(forms[k], u), is_plane(forms[k]), at) for k in on]
+        gradients = [_gradient(form_at(forms[k], u), at) for k in on]
         n = cross(*gradients[:2])
         found = [dot(n, gradients[2])] if len(on) == 3 else n
         return any(bool(value > 0 or value < 0) for value in found)
 
 
-def _gradient(form: Form | Rows, flat: bool, x: Numbers) -> Numbers:
+def _over(form: Form, field: NumberField) -> Form:
+    """The form at the root of the field."""
+    return tuple(map(field, form)) if is_plane(form) else field.matrix(form)
+
+
+def _gradient(form: Form, x: Numbers) -> Numbers:
     """x[3] times that of the form; numbers of any kind."""
-    return [c * x[3] for c in form[:3]] if flat else [2 * dot(row, x) for row in form[:3]]
+    return [c * x[3] for c in form[:3]] if is_plane(form) else [2 * dot(row, x) for row in form[:3]]
 
 
 def _barred(gradients: Rows, seconds: Sequence[Rows]) -> Iterator[Pattern]:

@@ -113,4 +113,4 @@ def sign_at(form: Form, x: Vector, root: Root) -> int | None:
 
 def form_value(form: Any, x: Sequence[arb]) -> Any:
     """N.X or X^T Q X in any numbers."""
-    return value(form, x) if isinstance(form[0], list | tuple) else dot(form, x)
+    return dot(form, x) if is_plane(form) else value(form, x)

@@ -21,7 +21,7 @@ Form = tuple[Any, ...]
 
 
 def is_plane(form: Form) -> bool:
-    return not isinstance(form[0], tuple)
+    return not isinstance(form[0], list | tuple)
 
 
 def form_at(form: Form, u: arb) -> Any:
