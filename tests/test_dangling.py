@@ -99,6 +99,7 @@ def dangles(*forms):
 
 
 ROUND = np.diag([1, 1, 1]).tolist()
+ALONG = np.diag([1, 0, 1]).tolist()
 SADDLE = np.diag([1, -1, 0]).tolist()
 
 
@@ -119,11 +120,31 @@ SADDLE = np.diag([1, -1, 0]).tolist()
         ([quadric((0, 0, 2), ROUND), quadric((0, 0, -1), SADDLE)], False),
         ([quadric((0, 0, 1), np.diag([1, 0, 0]).tolist()), plane(0, 0, -1)], True),  # along a line
         ([quadric((1, 0, 0), ROUND), plane(0, 1, 0), plane(-1, -1, 0)], True),
+        ([quadric((0, 0, 1), ALONG), quadric((0, 0, -1), ALONG)], True),  # cylinders side by side
     ],
 )  # fmt: skip
 def test_patterns_of_an_intersection(forms, truth):
     assert dangles(*forms) is truth
     assert has_inner_points(forms) is not truth
+
+
+def test_quadrics_that_part_at_third_order_only():
+    """Of z + y^2 and x^2 + y z - z - y^2 both are negative in x = 0, z = -y^2 - y^3 / 2 for small y > 0."""
+    a = quadric((0, 0, 1), np.diag([0, 1, 0]).tolist())
+    b = quadric((0, 0, -1), [[1, 0, 0], [0, -1, F(1, 2)], [0, F(1, 2), 0]])
+    for y in (1e-1, 1e-2, 1e-3):
+        point = np.array([[0, y, -(y**2) - y**3 / 2]])
+        assert valued(a, point) < 0
+        assert valued(b, point) < 0
+    assert not dangles(a, b)
+
+
+def test_what_is_outside_of_both():
+    tree = And(Not(Leaf(0)), Not(Leaf(1)))
+    assert is_dangling(tree, [plane(0, 0, 1), plane(0, 0, -1)], [0, 0], ORIGIN, RATIONALS)
+    hollow, ball = (quadric((0, 0, -1), (side * np.array(ROUND)).tolist()) for side in (-1, 1))
+    assert is_dangling(tree, [plane(0, 0, 1), hollow], [0, 0], ORIGIN, RATIONALS)
+    assert not is_dangling(tree, [plane(0, 0, 1), ball], [0, 0], ORIGIN, RATIONALS)
 
 
 def has_inner_points(forms, count=400_000):

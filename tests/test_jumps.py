@@ -9,6 +9,9 @@ from flint import fmpq
 
 import firstcontact as fc
 from firstcontact import Status
+from firstcontact.contact import jumps
+from firstcontact.result import FirstContact, Stats
+from firstcontact.work import Query
 
 NOTHING = [[0] * 4] * 4
 
@@ -89,6 +92,39 @@ def test_a_landing_before_a_jump_away():
     lands = fc.Sequence([fc.Translation((0, 0, -1)), jump(0, 0, 100)])
     hit = fc.first_contact(fc.box((1, 1, 1)).translated((0, 0, "5/2")).moving(lands), fc.box((2, 2, 2)))
     assert (hit.status, hit.time) == (Status.CONTACT, 0.5)
+
+
+TURNS = {
+    "between": fc.RationalMotion.between((0, 0, 0), (0, 0, -1), quat_wxyz=((1, 0, 0, 0), (2, 0, 0, 1))),
+    "screw": fc.Screw((0, 0, 1), (1, 1, 0), turns="1/4", advance=-1),
+}
+TABLE = fc.box((60, 60, 5)).translated((0, 0, "-5/2"))
+
+
+@pytest.mark.parametrize("turn", TURNS)
+@pytest.mark.parametrize("table", [TABLE, PLATE], ids=["table", "plate"])
+def test_a_turn_that_lands_before_a_jump_away(turn, table):
+    """What is looked at in the last instant before the jump is the pose before it."""
+    tube = (fc.cylinder(2, 1) - fc.cylinder(1, 3)).translated((0, 0, "3/2"))
+    lands = tube.moving(fc.Sequence([TURNS[turn], jump(0, 0, 100)]))
+    hit = fc.first_contact(lands, table)
+    assert (hit.status, hit.time) == (Status.CONTACT, 0.5)
+    assert [(x.start, x.end) for x in fc.contact_intervals(lands, table)] == [(0.5, 0.5)]
+
+
+def test_stretches_share_the_budget_and_the_tolerance():
+    asked = []
+
+    def answer(query):
+        asked.append((query.span, query.budget, query.tolerance))
+        return FirstContact.free(Stats(3, 4), **query.shared)
+
+    motion = fc.Sequence([fc.Translation((0, 0, 1)), jump(-100), jump(200)], durations=["1/2", "1/4", "1/4"])
+    ball = fc.sphere(1).moving(motion)
+    query = Query(ball, fc.box((1, 1, 1)), fmpq(0), fmpq(1), tolerance=1e-9, budget=10)
+    found = jumps.first(answer, query)
+    assert asked == [((0, 0.5), 10, 2e-9), ((0.5, 0.75), 3, 4e-9), ((0.75, 1), 0, 4e-9)]
+    assert (found.status, found.stats.node_visits, found.span) == (Status.FREE, 9, (0, 1))
 
 
 def test_jumps_of_both_bodies_and_budgets():

@@ -42,3 +42,14 @@ def test_one_instant_of_a_turn(time):
     assert found.status is there.status
     assert (found.status is Status.INITIAL_CONTACT) is (time < F(1, 2))
     assert [(x.start, x.end) for x in found] == ([(float(time),) * 2] if time < F(1, 2) else [])
+
+
+@pytest.mark.parametrize("exact", [False, True], ids=["default", "exact"])
+def test_one_instant_of_touching(exact):
+    """Side by side in x = 3/2 at the start of the turn."""
+    beside = TALL.translated((2, "1/3", 0)).moving(SPIN)
+    found = fc.contact_intervals(beside, LOWER, (0, 0), exact=exact)
+    assert found.status is Status.INITIAL_CONTACT
+    assert [(x.start, x.end) for x in found] == [(0, 0)]
+    off = TALL.translated((2 + F(1, 10**12), "1/3", 0)).moving(SPIN)
+    assert fc.contact_intervals(off, LOWER, (0, 0), exact=exact).status is Status.FREE
