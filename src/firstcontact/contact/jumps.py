@@ -12,7 +12,6 @@ from itertools import pairwise
 
 from flint import fmpq
 
-from firstcontact.contact.compound.answer import joined
 from firstcontact.contact.later import waiting
 from firstcontact.exact.numbers import above, below, fraction, to_double
 from firstcontact.motion.moving import Moving
@@ -41,6 +40,8 @@ def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> Cont
     times = _jumps(query)
     if not times:
         return answer(query)
+    from firstcontact.contact.compound.answer import joined  # few motions jump
+
     told, stats = list[ContactIntervals](), Stats()
     for own in _stretches(query, times):
         told.append(answer(replace(own, budget=query.budget_after(stats))))
