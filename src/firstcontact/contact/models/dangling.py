@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations, product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.solid.csg import Tree, inside, pattern
 from firstcontact.contact.models.moving_pair import Form, form_at, is_plane
@@ -27,9 +27,15 @@ from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomials.inertia import Rows, dot, inertia, null_space
 from firstcontact.exact.vectors import cross
 
+if TYPE_CHECKING:
+    from flint import arb
+
 MOST = 8
 """Forms that vanish in one point, of whose patterns all are looked at."""
 BITS = 96
+DIRECTIONS = [(a * x, b * y, c * z) for x, y, z in ((2, 3, 7), (7, 2, 3), (3, 7, 2))
+              for a, b, c in product((1, -1), repeat=3)]  # fmt: skip
+"""In which inner points are looked for; aligned with nothing."""
 
 _NONE = ((0,) * 3,) * 3
 
@@ -45,7 +51,7 @@ def is_dangling(tree: Tree, forms: Sequence[Form], signs: Sequence[int], x: Numb
     signs: of all forms there, exact.
     """
     on = [k for k, found in enumerate(signs) if found == 0]
-    if not 2 <= len(on) <= MOST or _are_independent(forms, on, x, field):
+    if not 2 <= len(on) <= MOST or _is_seen_inside(tree, forms, signs, on, x, field):
         return False
     exact = [_over(forms[k], field) for k in on]
     gradients = [_gradient(form, x) for form in exact]
@@ -58,16 +64,29 @@ def is_dangling(tree: Tree, forms: Sequence[Form], signs: Sequence[int], x: Numb
     )
 
 
-def _are_independent(forms: Sequence[Form], on: Sequence[int], x: Numbers, field: NumberField) -> bool:
-    """Whether balls show that the gradients are: then all patterns occur."""
-    if len(on) > 3:
-        return False
+def _is_seen_inside(
+    tree: Tree, forms: Sequence[Form], signs: Sequence[int], on: Sequence[int], x: Numbers, field: NumberField
+) -> bool:
+    """Whether balls show inner points near: along a direction, or as gradients are independent and all patterns occur."""
     with precision(BITS):
         u, at = field.root.enclosure(BITS), [ball(c, BITS) for c in x]
         gradients = [_gradient(form_at(forms[k], u), at) for k in on]
-        n = cross(*gradients[:2])
-        found = [dot(n, gradients[2])] if len(on) == 3 else n
-        return any(bool(value > 0 or value < 0) for value in found)
+        if len(on) <= 3:
+            n = cross(*gradients[:2])
+            found = [dot(n, gradients[2])] if len(on) == 3 else n
+            if any(_told(value) is not None for value in found):
+                return True
+        for towards in DIRECTIONS:
+            told = [_told(dot(g, towards)) for g in gradients]
+            chosen = [x for x in told if x is not None]
+            if len(chosen) == len(on) and inside(tree, pattern(signs, on, chosen)):
+                return True
+    return False
+
+
+def _told(value: arb) -> bool | None:
+    """Whether the ball is negative; None where it may be zero."""
+    return True if value < 0 else False if value > 0 else None
 
 
 def _over(form: Form, field: NumberField) -> Form:

@@ -61,8 +61,8 @@ def null_space(m: Rows) -> list[tuple[Number, ...]]:
         if k is None:
             continue
         rows[r], rows[k] = rows[k], rows[r]
-        pivot = rows[r][column]
-        rows[r] = [x / pivot for x in rows[r]]
+        inverse = 1 / rows[r][column]  # once: in a field of high degree the rest is cheap beside it
+        rows[r] = [x * inverse for x in rows[r]]
         for i, row in enumerate(rows):
             if i != r and not is_zero(row[column]):
                 factor = row[column]
