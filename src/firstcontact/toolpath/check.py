@@ -14,6 +14,7 @@ from firstcontact.batch.verb import first_contacts
 from firstcontact.batch.workers import cores
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.errors import InputError, shown
+from firstcontact.exact.numbers import above, below, exact_value, to_double
 from firstcontact.kernels.workspace import workspace
 from firstcontact.motion.moving import Moving
 from firstcontact.search.trees.frame import tree_of
@@ -278,8 +279,11 @@ def _finding(x: _Asked, block: Block, answer: _WayAnswer) -> Finding:
     lengths = [stretch.length for stretch in block.stretches]
     lengths = lengths if sum(lengths) else [1.0] * len(lengths)
     k = next(k for k, stretch in enumerate(block.stretches) if stretch is x.stretch)
-    before, own, whole = sum(lengths[:k]), lengths[k], sum(lengths)
-    time, lo, hi = ((before + own * t) / whole for t in (answer.time, answer.lo, answer.hi))
+    before, own, whole = (exact_value(sum(x)) for x in (lengths[:k], lengths[k : k + 1], lengths))
+    time, lo, hi = (
+        t if np.isnan(t) else rounded((before + own * exact_value(t)) / whole)
+        for t, rounded in ((answer.time, to_double), (answer.lo, below), (answer.hi, above))
+    )
     tip = x.stretch.tip(0.0 if np.isnan(answer.time) else answer.time)
     return Finding(
         x.segment.name, x.segment.kind, x.target.name, x.stretch.kind, answer.status, time, lo, hi, answer.point,

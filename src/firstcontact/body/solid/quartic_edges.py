@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_mat
 
-from firstcontact.body.solid.carriers import EnclosedPoint, Quadric, QuarticCurve, Surface, doubles
+from firstcontact.body.solid.carriers import EnclosedPoint, Point, Quadric, QuarticCurve, Surface, columns, doubles
 from firstcontact.body.solid.csg import Tree, outcomes
 from firstcontact.body.solid.features import EDGE_KINDS, EdgePiece, NotDerived, enclosure
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent
 from firstcontact.body.solid.regions import Region, Regions, holds_ball, hull
 from firstcontact.body.solid.trimming import BITS
 from firstcontact.exact.curves.quadric_curve import Branch, BranchSweep, Degenerate, QuadricEnd, swept
-from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision
+from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision, simplest
 from firstcontact.exact.vectors import cross
 
 if TYPE_CHECKING:
@@ -307,7 +307,8 @@ class _Curve:
             found = enclosed([self.surfaces[k] for k in (*self.on[:2], changed[0])], point)
         else:
             found = EnclosedPoint(tuple(dyadic(c) for c in point), fmpq(1, 2 ** (BITS // 8)), False)
-        return self.corners.merged(frozenset((*self._all_on(found), *changed)), found)
+        on = frozenset((*self._all_on(found), *changed))
+        return self.corners.merged(on, _rational(found, [self.surfaces[k] for k in on]) or found)
 
     def _all_on(self, point: EnclosedPoint) -> frozenset[int]:
         """The surfaces whose forms cannot be told from zero at the point."""
@@ -463,6 +464,12 @@ def enclosed(system: Sequence[Surface], start: Sequence[arb]) -> EnclosedPoint:
                 break
         radius = max(dyadic(arb(abs(d).upper())) for d in step) + fmpq(1, 2 ** (BITS // 2))
         return EnclosedPoint(tuple(dyadic(x) for x in p), radius, _krawczyk(system, p, radius))
+
+
+def _rational(point: EnclosedPoint, on: Sequence[Surface]) -> Point | None:
+    """The rational point in which all these surfaces meet, if the shortest fractions of the enclosure tell one."""
+    x = (*(simplest(c - point.radius, c + point.radius) for c in point.centre), fmpq(1))
+    return Point(columns(x)) if all(surface.value(x) == 0 for surface in on) else None
 
 
 def _jacobian(system: Sequence[Surface], p: list[arb]) -> arb_mat:

@@ -10,6 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.later import waiting
 from firstcontact.contact.mesh_model.planar_solid import planar
 from firstcontact.contact.models.answer import element as named
@@ -31,7 +32,8 @@ def are_of_planes(a: Body, b: Body) -> bool:
     """Whether both are solids of planes, or one of them and the other one a mesh, bare edges and points apart."""
     shapes = shape_of(a), shape_of(b)
     return not all(isinstance(x, Polyhedron) for x in shapes) and all(
-        len(x.triangles) > 0 if isinstance(x, Polyhedron) else planar(x) is not None for x in shapes
+        len(x.triangles) > 0 if isinstance(x, Polyhedron) else isinstance(x, CompositeQuadric) and planar(x) is not None
+        for x in shapes
     )
 
 

@@ -24,7 +24,7 @@ from firstcontact.contact.models.at_rest import (
     soon_told,
     whole_faces,
 )
-from firstcontact.contact.models.contact_sets import Shared, shared_part
+from firstcontact.contact.models.contact_sets import OPEN, Shared, shared_part
 from firstcontact.contact.models.membership import extent
 from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.contact.models.square_subproblems import SquareSubproblem
@@ -123,9 +123,14 @@ class CandidateSearch:
         """All contacts at one time."""
         return [meeting for candidate in group for meeting in self.verdict(candidate)[0]]
 
+    def doubt(self, group: list[Candidate]) -> str:
+        """Why candidates of one time are open; "" where it is proved of all whether they are contacts."""
+        self.meetings(group)
+        return next((self.undecided[id(x)] for x in group if id(x) in self.undecided), "")
+
     def are_no_contacts(self, group: list[Candidate]) -> bool:
         """Whether it is proved of all candidates of one time."""
-        return not self.meetings(group) and not any(id(candidate) in self.undecided for candidate in group)
+        return not self.meetings(group) and not self.doubt(group)
 
     def first(self) -> list[Meeting]:
         """The contacts at the earliest time that has any; none where an undecided candidate comes before (`stop`)."""
@@ -166,17 +171,33 @@ class CandidateSearch:
         return root.hi - root.lo < NARROW * (piece.u_hi - piece.u_lo)
 
     def at_start(self) -> list[Meeting]:
-        """The contacts at the start: candidates there, and features that may be in contact all the time."""
+        """As `start_contacts`; UnsupportedPair where none is known and one is open."""
+        found = self.start_contacts()
+        if found is None:
+            raise UnsupportedPair("the models come so close at the start that it is not told whether they touch")
+        return found
+
+    def start_contacts(self) -> list[Meeting] | None:
+        """The contacts at the start: candidates there, and features that may be in contact all the time.
+
+        None where none is known and one is open.
+        """
         there = [c for c in self.candidates if self.is_at_start(c.root)]
         found = [m for c in there for m in self.verdict(c)[0]]
         if self.starts_rational:
-            found += self.lasting(self.pair.piece.u_lo, known={id(c.subproblem) for c in there})
+            try:
+                found += self.lasting(self.pair.piece.u_lo, known={id(c.subproblem) for c in there})
+            except Undecidable:
+                return found or None
         return found
 
     def lasting(self, u: fmpq, known: Collection[int] = ()) -> list[Meeting]:
         """The contacts at a rational u of features that may be in contact at all times, which no root tells: they
-        slide in one another, or stay tangent.  known: subproblems (by id) to leave out."""
-        at = AlgebraicRoot.of(u)
+        slide in one another, or stay tangent.  known: subproblems (by id) to leave out.
+
+        Undecidable where none is known and one is open.
+        """
+        at, doubt = AlgebraicRoot.of(u), ""
         found: list[Meeting] = []
         for task in self.tasks:
             if not task.equation.may_hold_always or id(task) in known:
@@ -184,7 +205,9 @@ class CandidateSearch:
             try:
                 found += _validated(Candidate(task, at))[0]
             except Undecidable as error:
-                raise UnsupportedPair(f"{task.a.name} slides in {task.b.name}; not decided: {error}") from error
+                doubt = doubt or f"{task.a.name} slides in {task.b.name}; not decided: {error}"
+        if doubt and not found:
+            raise Undecidable(doubt)
         return found
 
     def share_a_point(self, u: fmpq, passed: list[Candidate] | None = None) -> bool | None:
@@ -204,7 +227,10 @@ class CandidateSearch:
         if self._relation(u) is Relation.APART:
             return False
         overlapping = self._overlap(u)  # far sooner told than what slides in one another, where they do
-        return True if overlapping or self.lasting(u) or coincide(self.pair, u) else overlapping
+        try:
+            return True if overlapping or self.lasting(u) or coincide(self.pair, u) else overlapping
+        except Undecidable:
+            return None
 
     def _meet_in_doubles(self, u: fmpq) -> bool:
         """Whether a point that doubles find is inside both models at u; it is one of the inner ones then."""
@@ -311,4 +337,6 @@ def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
             reasons.append(reason)
     if contacts.same and not meetings:
         raise Undecidable(f"{task.a.name} and {task.b.name} become one surface")
+    if (OPEN in reasons or not contacts.complete) and not meetings:
+        raise Undecidable(f"precision: {task.a.name} and {task.b.name} come too close to tell whether they touch")
     return meetings, "" if meetings else "; ".join(dict.fromkeys(reasons)) or contacts.reason

@@ -67,7 +67,7 @@ def is_dangling(tree: Tree, forms: Sequence[Form], signs: Sequence[int], x: Numb
 def _is_seen_inside(
     tree: Tree, forms: Sequence[Form], signs: Sequence[int], on: Sequence[int], x: Numbers, field: NumberField
 ) -> bool:
-    """Whether balls show inner points near: along a direction, or as gradients are independent and all patterns occur."""
+    """Whether balls show inner points near: in a direction, or as gradients are independent and all patterns occur."""
     with precision(BITS):
         u, at = field.root.enclosure(BITS), [ball(c, BITS) for c in x]
         gradients = [_gradient(form_at(forms[k], u), at) for k in on]

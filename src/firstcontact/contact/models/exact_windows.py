@@ -88,6 +88,7 @@ def _windows(search: CandidateSearch, free_until: float) -> Iterator[tuple[Windo
         return
     start: WindowEnd | None = None
     apart = False
+    doubt = ""  # why a candidate is open that may be all there is of a contact
     passed: list[Candidate] | None = None
     if any(isinstance(candidate.root, OpenRoot) for candidate in search.candidates):
         raise UnsupportedPair("an edge of degree 4 leaves a stretch of time undecided; its intervals are not supported")
@@ -102,13 +103,15 @@ def _windows(search: CandidateSearch, free_until: float) -> Iterator[tuple[Windo
             if not apart and _share(search, between(lo, root), passed if start else None):
                 start = start or before
             else:
+                _refuse(doubt)
                 if start is not None:
                     yield start, before
                 start, apart = None, True
-        here = WindowEnd(search, root)
-        if start is None and search.meetings(group):
-            start = here
-        apart = apart and start is None and search.are_no_contacts(group)
+        here, doubt = WindowEnd(search, root), ""
+        if start is None:
+            start = here if search.meetings(group) else None
+            doubt = "" if start else search.doubt(group)
+        apart = apart and start is None and not doubt
         before, lo, passed = here, search.beyond(root), group
     assert piece.u_hi is not None and piece.end is not None
     if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
@@ -117,8 +120,14 @@ def _windows(search: CandidateSearch, free_until: float) -> Iterator[tuple[Windo
             return
         if apart and search.may_share_a_point_at_end():
             raise UnsupportedPair("the models share a point though no candidate is a contact")
+    _refuse(doubt)
     if start is not None:
         yield start, before
+
+
+def _refuse(doubt: str) -> None:
+    if doubt:
+        raise UnsupportedPair(doubt)
 
 
 def _instant(search: CandidateSearch) -> Iterator[tuple[WindowEnd, WindowEnd]]:

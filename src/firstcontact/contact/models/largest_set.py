@@ -150,7 +150,7 @@ class _Touching:
                 for forms in (self.pair.forms_a, self.pair.forms_b)
             )
             parts, _ = shared_part(self.pair, Contact("line", line), self.root, on_a, on_b)
-            yield from _joined(parts, self.pair.unit)
+            yield from _joined([part for part in parts if part.kind == "segment"], self.pair.unit)
 
     def _contains(self, form: Form, line: Span) -> bool:
         if is_plane(form):

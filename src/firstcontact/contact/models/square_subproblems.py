@@ -8,23 +8,24 @@ vertex {A, B, C} against a surface D: A = B = C = D = 0.  Unknowns are the point
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpz_poly
+from flint import arb, fmpq, fmpq_mat, fmpz_poly
 
 from firstcontact.body.solid.carriers import EnclosedPoint, Plane, QuarticCurve, doubles, upright
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.common_box import Box, common_box
 from firstcontact.contact.models.moving_pair import Form, MovingPair, without_factor
-from firstcontact.contact.models.system_search import SearchedSolid, zeros_within
+from firstcontact.contact.models.system_search import SearchedSolid, StandingZeros, is_zero_at, standing, zeros_within
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
-from firstcontact.exact.numbers import exact_value
+from firstcontact.exact.numbers import dyadic, exact_value, precision, simplest
+from firstcontact.exact.polynomials.inertia import dot
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix, congruent, constant
 from firstcontact.exact.systems.square_systems import (
     EnclosedNumber,
@@ -49,6 +50,9 @@ Near = tuple[Collection[int], Collection[int]]
 
 EDGE_SURFACE = "A = B = C = det(grad A, grad B, grad C) = 0"
 CROSSING = "A = B = C = D = 0"
+NO_ZERO = "no zero of the system"
+RATIONAL_BITS = 192
+"""Of balls in which short fractions are looked for."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,12 @@ class View:
             return [_matrix(form) for form in self.pair.forms_a]
         pose, lo = self.pair.piece.pose, self.pair.piece.u_lo
         return [without_factor(congruent(pose, _matrix(form)), lo) for form in self.pair.forms_b]
+
+    def rational_in_frame_of_b(self, x: Vector, u: fmpq) -> Vector:
+        """A point (x, y, z) of the model at rest, homogeneous."""
+        if not self.moving:
+            return (*x, fmpq(1))
+        return tuple(dot([c(u) for c in row], (*x, 1)) for row in self.pair.piece.pose)
 
     def solids(self, own: frozenset[int], other: frozenset[int]) -> list[SearchedSolid]:
         """Both, with the surfaces that hold the zeros."""
@@ -180,32 +190,73 @@ class SquareSubproblem:
         return _rank(rows) == _rank(rows[:-1])
 
     @cached_property
-    def _found(self) -> list[EnclosedRoot | OpenRoot]:
+    def _is_still(self) -> bool:
+        """Whether there is one u only at which to look."""
         piece = self.pair.piece
-        if piece.is_constant or piece.u_hi is None or piece.u_hi <= piece.u_lo or self.slides:
+        return piece.is_constant or piece.u_hi is None or piece.u_hi <= piece.u_lo
+
+    @cached_property
+    def _solids(self) -> list[SearchedSolid]:
+        return self.view.solids(*(self.on if self.view.moving else self.on[::-1]))
+
+    @cached_property
+    def _found(self) -> list[EnclosedRoot | AlgebraicRoot | OpenRoot]:
+        if self.slides:
             return []
-        on_a, on_b = self.on
-        solids = self.view.solids(*((on_a, on_b) if self.view.moving else (on_b, on_a)))
-        slabs = max(1, self.system.degree // 4)
-        found = zeros_within(self.system, solids, self.box, (piece.u_lo, piece.u_hi), slabs)
-        roots: list[EnclosedRoot | OpenRoot] = [EnclosedRoot(zero) for zero in found.zeros]
+        piece = self.pair.piece
+        if self._is_still:
+            some = self._standing.points or self._standing.is_open
+            return [AlgebraicRoot.of(piece.u_lo)] if some else []
+        assert piece.u_hi is not None
         reason = f"precision: {self.a.name} with {self.b.name}, {self.system_text}"
+        slabs = max(1, self.system.degree // 4)
+        found = zeros_within(self.system, self._solids, self.box, (piece.u_lo, piece.u_hi), slabs)
+        roots = [self._root(zero) for zero in found.zeros]
         return roots + [OpenRoot(max(lo, piece.u_lo), min(hi, piece.u_hi), reason) for lo, hi in found.open]
 
-    def roots(self) -> list[EnclosedRoot | OpenRoot]:
+    @cached_property
+    def _standing(self) -> StandingZeros:
+        """Where the features touch at the only u."""
+        return standing(self.system, self._solids, self.box, self.pair.piece.u_lo)
+
+    @cached_property
+    def _rational(self) -> dict[fmpq, list[Vector]]:
+        """Points (x, y, z) of zeros that are rational, by their u."""
+        return {}
+
+    def _root(self, zero: Zero) -> EnclosedRoot | AlgebraicRoot:
+        """The u of a zero, exactly where the zero is the short fractions next to it: what users choose is."""
+        balls = zero.balls(RATIONAL_BITS)
+        with precision(RATIONAL_BITS):
+            *x, u = (simplest(dyadic(arb(c.lower())), dyadic(arb(c.upper()))) for c in balls)
+        if not is_zero_at(self.system, x, u):
+            return EnclosedRoot(zero)
+        self._rational.setdefault(u, []).append(tuple(x))
+        return AlgebraicRoot.of(u)
+
+    def roots(self) -> list[EnclosedRoot | AlgebraicRoot | OpenRoot]:
         """The candidates in the piece whose points both closed models may hold."""
         return [root for root in self._found if isinstance(root, OpenRoot) or self.pair.piece.contains(root)]
 
     def contacts(self, root: EnclosedRoot | AlgebraicRoot) -> Contacts:
-        """The point of a zero of the system; at a rational u, points of a feature that slides in a surface."""
+        """The points of the system's zeros; at a rational u, points of a feature that slides in a surface."""
         if isinstance(root, EnclosedRoot):
             return finite((self.view.in_frame_of_b(root.zero),))
-        if not self.slides or root.rational is None:
-            return nothing("no zero of the system")
+        u = root.rational
+        if u is None:
+            return nothing(NO_ZERO)
+        if not self.slides:
+            return self._at_rational(u)
         if isinstance(self.a, Edge) and isinstance(self.b, Edge):
             return nothing("the faces beside the edges see where they meet")
-        zeros = self._sliding_points(root.rational)
+        zeros = self._sliding_points(u)
         return gather([finite((self.view.in_frame_of_b(zero),)) for zero in zeros], "no point proved")
+
+    def _at_rational(self, u: fmpq) -> Contacts:
+        """The rational zeros at u."""
+        points = self._standing.points if self._is_still else self._rational.get(u, ())
+        sets = gather([finite((self.view.rational_in_frame_of_b(x, u),)) for x in points], NO_ZERO)
+        return replace(sets, complete=not (self._is_still and self._standing.is_open))
 
     def _sliding_points(self, u: fmpq) -> Iterator[Zero]:
         """Points of the feature of degree 4 or of three quadrics at u, proved."""

@@ -15,11 +15,14 @@ import numpy as np
 from flint import fmpq, fmpq_poly
 
 from firstcontact.body.solid.csg import Tree, possible
-from firstcontact.exact.numbers import exact_value, to_double
+from firstcontact.exact.numbers import exact_value, simplest, to_double
+from firstcontact.exact.polynomials.inertia import dot, times
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix
 from firstcontact.exact.systems.square_systems import SquareSystem, Zero, certified
+from firstcontact.exact.vectors import cross
 
 T = TypeVar("T", float, fmpq)
+Vector = tuple[fmpq, ...]
 
 EPSILON = 4e-16
 """Twice the unit roundoff, and a little."""
@@ -34,6 +37,8 @@ OVERLAP = 1.02
 TRIES = 40
 """Boxes of one slab that stay small without a sure zero, for which Krawczyk's test is tried all the same."""
 CHUNK = 20_000
+MOST_STANDING, WIDER = 50_000, fmpq(9, 8)
+"""Boxes looked at for zeros at one u; how much wider than a box the place is where fractions are tried."""
 CLOSE, DEEPEST = 1e-4, 3
 """How wide the place of what is left may be, beside the share of u, where the search goes on there in a frame of its
 own; how often that is done."""
@@ -82,6 +87,49 @@ def zeros_within(
         slab.search(found)
         found.open[known:] = _stretches(found.open[known:], slab.frame.reach * exact_value(LEAST))
     return found
+
+
+@dataclass(frozen=True)
+class StandingZeros:
+    """Zeros of a system at one u.  points: (x, y, z) of rational ones; is_open: whether there may be others."""
+
+    points: Sequence[Vector] = ()
+    is_open: bool = False
+
+
+def standing(
+    system: SquareSystem, solids: Sequence[SearchedSolid], box: tuple[Sequence[fmpq], Sequence[fmpq]], u: fmpq
+) -> StandingZeros:
+    """The zeros in the box at u whose points both solids may hold: of four equations for three unknowns.
+
+    They stay small boxes, in which the shortest fractions are tried.
+    """
+    slab = _Slab(system, solids, box, (u, u))
+    middle, half = np.zeros((1, 4)), (slab.start * (1 + 1e-9) + 1e-15) * [1.0, 1.0, 1.0, 0.0]
+    looked = 0
+    while len(half) and half.max() >= LEAST:
+        looked += len(half)
+        if looked > MOST_STANDING:
+            return StandingZeros(is_open=True)
+        middle, half, steep, _ = slab.pruned(middle, half)
+        half[:, 3], steep[:, 3] = 0.0, 0.0
+        if len(half) and half.max() >= LEAST:
+            middle, half = _halves(middle, half, steep)
+    points: dict[Vector, None] = {}
+    for m, h in zip(middle, half, strict=True):
+        x = tuple(simplest(*slab.side(k, m, h)) for k in range(3))
+        if is_zero_at(system, x, u):
+            points.setdefault(x)
+    return StandingZeros(list(points), bool(len(half)))
+
+
+def is_zero_at(system: SquareSystem, x: Sequence[fmpq], u: fmpq) -> bool:
+    """Whether a rational point is a zero, exactly."""
+    point = (*x, fmpq(1))
+    images = [times([[p(u) for p in row] for row in form], point) for form in system.forms]
+    if any(dot(point, image) != 0 for image in images):
+        return False
+    return len(images) != 3 or dot(cross(images[0][:3], images[1][:3]), images[2][:3]) == 0
 
 
 @dataclass(frozen=True)
@@ -259,7 +307,7 @@ class _Slab:
             if looked > MOST_BOXES or len(given_up) > OPEN_ENOUGH:
                 given_up += list(zip(middle, half, strict=True))
                 continue
-            middle, half, steep, inner = self._pruned(middle, half)
+            middle, half, steep, inner = self.pruned(middle, half)
             size = np.max(half, axis=1, initial=0)
             least = size < LEAST
             for k in np.flatnonzero(((size < SMALL) & inner) | least):
@@ -299,6 +347,11 @@ class _Slab:
         )
         return _Slab(self.system, self.given, (first, last), (self._u(lo[3]), self._u(hi[3])), self.depth + 1)
 
+    def side(self, k: int, middle: np.ndarray, half: np.ndarray) -> tuple[fmpq, fmpq]:
+        """The ends of a box along x, y or z."""
+        f, at, size = self.frame, exact_value(float(middle[k])), exact_value(float(half[k])) * WIDER
+        return f.origin[k] + f.scale * (at - size), f.origin[k] + f.scale * (at + size)
+
     def _u(self, v: float) -> fmpq:
         return self.frame.middle + self.frame.reach * fmpq(*float(v).as_integer_ratio())
 
@@ -309,7 +362,7 @@ class _Slab:
             models.append(_tangency([_gradient(p, half) for p in parts], half))
         return models
 
-    def _pruned(self, middle: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def pruned(self, middle: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """The boxes that may hold zeros, narrowed; by how much each side matters; and which hold a zero."""
         for _ in range(3):
             models = self._models(middle, half)

@@ -94,11 +94,13 @@ class Contacts:
 
     same  whether the carriers are one surface there: the sets are some of what they share, and none where the surface
           has no centre
+    complete  whether that is proved to be all
     """
 
     found: tuple[Contact, ...]
     reason: str = ""
     same: bool = False
+    complete: bool = True
 
 
 def nothing(reason: str) -> Contacts:
