@@ -1,6 +1,7 @@
 """Where tools meet boxes, by closed formulas; and what hulls tell, beside the exact solids."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -328,3 +329,13 @@ def test_free_and_contact_beside_points_of_the_tool(tmp_path):
         if verdict.findings and until < 0.98:
             assert inside(np.array(way.tip(until + 0.02)), -0.2)
     assert statuses == {"FREE", "CONTACT"}
+
+
+@pytest.mark.parametrize("whole", [3, 7, 9, 13])
+def test_the_enclosure_holds_fractions_that_are_no_doubles(tmp_path, whole):
+    """A cutter of radius 1 goes from 0 to `whole`, and a wall stands so that they meet at k / whole."""
+    tool = fc.Tool([("flutes", "cutter", 2, 2)])
+    for k in range(1, whole):
+        wall = fc.box((1, 4, 4)).translated((k + 1 + Fraction(1, 2), 0, 0))
+        (finding,) = found_in(tmp_path, f"G0 X{whole} Y0 Z0", {"wall": wall}, tool=tool).findings
+        assert Fraction(finding.lo) <= Fraction(k, whole) <= Fraction(finding.hi)

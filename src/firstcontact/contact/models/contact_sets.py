@@ -1,15 +1,15 @@
 """What of a contact set of two whole carriers lies in both models: points, segments of lines, arcs of conics.
 
-Where a set is more than a point, doubles tell its stretches between surfaces, and a point in each is placed exactly and
-decides.  Spots that they leave open are looked at in the same way; where no point of one is held, exact counts of
-zeros tell whether surfaces cross the set there at all.
+Where a set is more than a point its ends and a sample point inside are found in doubles; the sample point is then
+placed exactly and decides.  Ends of segments lie on edges, so pieces that doubles miss are seen there; of conics all
+stretches between surfaces are told with proof where samples show none, and what stays open is said.
 Points in doubles are homogeneous, in lengths of `Pair.unit`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,7 @@ from firstcontact.body.solid.csg import possible
 from firstcontact.contact.models.held_parts import HeldParts, Stretch, Trim, on_faces
 from firstcontact.contact.models.membership import On, Vector, in_both
 from firstcontact.contact.models.moving_pair import MovingPair, form_at, is_plane
-from firstcontact.exact.fields.number_field import NumberField, QuadraticElement, ball, is_zero, sign
+from firstcontact.exact.fields.number_field import NumberField, QuadraticElement, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import exact_value, precision
 from firstcontact.exact.pencils.pencils import characteristic, discriminant
@@ -32,9 +32,13 @@ from firstcontact.pairs.carriers.contact import Contact, vector_at
 if TYPE_CHECKING:
     from firstcontact.exact.systems.square_systems import EnclosedRoot
 
-ARC_POINTS = 720
-"""Points along a whole conic."""
+SAMPLES = 720
+"""Points of a conic looked at in doubles."""
 OPEN = "it is not told whether they share a point of a curve"
+FINER = 61
+"""Points looked at around one that is held alone, the odd one in the middle."""
+
+OUTSIDE = "outside the faces"
 AT_INFINITY = 1e-12
 """The weight of a point beyond which it is at infinity, in parts of its coordinates."""
 NOUGHT = 1e-3
@@ -64,27 +68,36 @@ def shared_part(
         (x,) = contact.span
         reason = in_both(pair, x, root, on_a, on_b)
         return ([], reason) if reason else ([Shared("point", x, cartesian(x)[None])], "")
-    curve: _Line | _Conic = _Line(contact, pair.unit) if contact.kind == "line" else _Conic(contact, pair.unit)
-    if curve.frame is None:
-        return [], "outside the faces"
     trim = TrimForms(pair, root, on_a, on_b)
+    parts = _segments(contact, trim) if contact.kind == "line" else _arcs(contact, trim)
+    found = [part for part in parts if not in_both(pair, part.at, root, on_a, on_b)]
+    if found:
+        return found, ""
+    return _between_samples(contact, trim, pair, root, on_a, on_b) if contact.kind == "conic" else ([], OUTSIDE)
+
+
+def _between_samples(
+    contact: Contact, trim: TrimForms, pair: MovingPair, root: AlgebraicRoot | EnclosedRoot, on_a: On, on_b: On
+) -> tuple[list[Shared], str]:
+    """What both models hold of a conic of which they hold no sample, with proof; or that this is open."""
+    curve = _Conic(contact, pair.unit)
+    if curve.frame is None:
+        return [], OUTSIDE
     parts = HeldParts(curve.frame, curve.period, trim.models, NOUGHT)
     stretches = parts.found()
-    held = (curve.part(s, s.inner, trim.unit) for s in stretches if s.inner is not None)
-    found = [part for part in held if part is not None and not in_both(pair, part.at, root, on_a, on_b)]
-    if found:
-        return found, ""
     spots = [s for s in stretches if s.inner is None]
-    held = (curve.part(None, t, trim.unit) for spot in spots for t in parts.places(spot))
-    found = [part for part in held if part is not None and not in_both(pair, part.at, root, on_a, on_b)]
-    if found:
-        return found, ""
+    places = [(s, s.inner) for s in stretches if s.inner is not None]
+    for tried in (places, [(None, t) for spot in spots for t in parts.places(spot)]):
+        held = (curve.part(stretch, t, trim.unit) for stretch, t in tried)
+        found = [part for part in held if part is not None and not in_both(pair, part.at, root, on_a, on_b)]
+        if found:
+            return found, ""
     told = all(not parts.may_hold(spot) or _is_empty(spot, parts, curve, pair, root) for spot in spots)
-    return [], "outside the faces" if told else OPEN
+    return [], OUTSIDE if told else OPEN
 
 
 def _is_empty(
-    spot: Stretch, parts: HeldParts, curve: _Line | _Conic, pair: MovingPair, root: AlgebraicRoot | EnclosedRoot
+    spot: Stretch, parts: HeldParts, curve: _Conic, pair: MovingPair, root: AlgebraicRoot | EnclosedRoot
 ) -> bool:
     """Whether all zeros on the curve of the forms that may vanish in a spot are outside it, by their exact number."""
     if not isinstance(root, AlgebraicRoot):
@@ -118,6 +131,19 @@ class TrimForms:
                 matrices = np.array([_matrix(form_at(form, u), is_plane(form), pair.unit) for form in forms])
             self.models.append(Trim(body.tree, matrices, np.isin(np.arange(len(forms)), list(on.surfaces)), on))
 
+    def breaks(self, origin: np.ndarray, direction: np.ndarray) -> Iterator[float]:
+        """Parameters s at which origin + s direction crosses a surface of either model."""
+        for _, matrices, holds, _ in self.models:
+            for form in matrices[~holds]:
+                coefficients = direction @ form @ direction, 2 * origin @ form @ direction, origin @ form @ origin
+                if not np.any(coefficients[:2]):
+                    continue
+                a, b, c = coefficients
+                if a and abs(b * b - 4 * a * c) <= 1e-13 * (b * b + abs(4 * a * c)):  # double, as rounding hides
+                    yield -b / (2 * a)
+                    continue
+                yield from (s.real for s in np.roots(coefficients) if abs(s.imag) < 1e-9 * (1 + abs(s)))
+
     def inside(self, points: np.ndarray) -> np.ndarray:
         """(n,) bools for (n, 4) points: in both closed models and on the faces asked for, as far as doubles tell."""
         answer = np.ones(len(points), bool)
@@ -149,30 +175,23 @@ def _matrix(form: Any, plane: bool, unit: float) -> np.ndarray:
     return np.array([[float((x / largest).mid()) for x in row] for row in rows])
 
 
-class _Line:
-    """cos t first + sin t second, t from 0 to pi."""
-
-    period = math.pi
-
-    def __init__(self, contact: Contact, unit: float) -> None:
-        self.span = contact.span
-        (first, self.own_size), (second, self.size) = (scaled(x, unit) for x in self.span)
-        self.frame: np.ndarray | None = np.stack([first, second, np.zeros(4)], axis=1)
-
-    def part(self, stretch: Stretch | None, t: float, unit: float) -> Shared | None:
-        """What is held about t; None where that is at infinity."""
-        c, s = exact_value(math.cos(t)) / self.own_size, exact_value(math.sin(t)) / self.size
-        at = tuple(a * c + b * s for a, b in zip(*self.span, strict=True))
-        return _shared("segment", at, self.frame, [t] if stretch is None else [stretch.lo, stretch.hi], unit)
-
-    def zeros(self, form: Any) -> int | None:
-        """How many real zeros a plane or quadric over the field has on it; None where all of it, or two are one."""
-        if not isinstance(form[0], tuple):
-            return 1 if any(not is_zero(dot(form, x)) for x in self.span) else None
-        x, y = self.span
-        a, b, c = value(form, x), dot(x, times(form, y)), value(form, y)
-        side = sign(b * b - a * c)
-        return None if side == 0 else 2 if side > 0 else 0
+def _segments(contact: Contact, trim: TrimForms) -> Iterator[Shared]:
+    first, second = contact.span
+    if sign(first[3]) == 0:
+        first, second = second, first
+    # X(s) = first + s second, first finite: a scale near 1 for doubles, any for the exact point
+    (direction, size), (origin, own_size) = scaled(second, trim.unit), scaled(first, trim.unit)
+    weight = origin[3]
+    origin = origin / weight
+    ends = sorted(set(trim.breaks(origin, direction)))
+    for lo, hi in zip(ends, ends[1:], strict=False):
+        middle = 0.5 * (lo + hi)
+        x = origin + middle * direction
+        if hi - lo > 1e-9 * (1 + abs(middle)) and trim.inside(x[None])[0] and abs(x[3]) > 1e-12:
+            r = exact_value(middle * weight) * own_size / size
+            at = tuple(a + b * r for a, b in zip(first, second, strict=True))
+            points = np.array([(origin + s * direction)[:3] / (origin + s * direction)[3] for s in (lo, hi)])
+            yield Shared("segment", at, trim.unit * points)
 
 
 def scaled(x: Vector, unit: float) -> tuple[np.ndarray, fmpq]:
@@ -183,6 +202,27 @@ def scaled(x: Vector, unit: float) -> tuple[np.ndarray, fmpq]:
         mantissa, exponent = arb(max(abs(v.mid()) for v in values).mid()).man_exp()
         size = fmpq(2) ** int(exponent + mantissa.bit_length())
         return np.array([float((v / arb(size)).mid()) for v in values]), size
+
+
+def _arcs(contact: Contact, trim: TrimForms) -> Iterator[Shared]:
+    span, form, sizes = _balanced(contact, trim.unit)
+    values, vectors = np.linalg.eigh(form)
+    if values[1] > 0:  # signs (-, +, +): the odd one last
+        values, vectors = values[::-1], vectors[:, ::-1]
+    if not values[2] * values[1] < 0 < values[0] * values[1]:
+        return  # no proper real conic: the lines of a pair are other pairs' contacts
+    axes = vectors / np.sqrt(np.abs(values))
+    angles = np.linspace(0, 2 * np.pi, SAMPLES, endpoint=False)
+    x, good = _sampled(span @ axes, angles, trim)
+    for run in runs(good):
+        kind, held, angle = "conic arc", x[run], angles[run[len(run) // 2]]
+        if len(run) == 1:  # a point that both touch, unless more is held between it and its neighbours
+            finer, good = _sampled(span @ axes, angle + np.linspace(-1, 1, FINER) * 2 * np.pi / SAMPLES, trim)
+            held = finer[good]
+            kind = "conic arc" if len(held) > 1 else "point"
+        near = axes @ (round(math.cos(angle), 15), round(math.sin(angle), 15), 1.0)
+        at = _on_conic(contact, axes[:, 2], near, sizes)
+        yield Shared(kind, at, trim.unit * held[:, :3] / held[:, 3:], closed=len(run) == SAMPLES)
 
 
 class _Conic:
@@ -208,7 +248,7 @@ class _Conic:
         if stretch is None:
             return _shared("point", at, self.frame, [t], unit)
         length = stretch.hi - stretch.lo
-        angles = np.linspace(stretch.lo, stretch.hi, 2 + round(ARC_POINTS * length / self.period))
+        angles = np.linspace(stretch.lo, stretch.hi, 2 + round(SAMPLES * length / self.period))
         closed = length >= self.period * (1.0 - 1e-12)
         return _shared("conic arc", at, self.frame, angles[:-1] if closed else angles, unit, closed)
 
@@ -251,6 +291,24 @@ def _balanced(contact: Contact, unit: float) -> tuple[np.ndarray, np.ndarray, li
         largest = max(abs(x.mid()) for row in balls for x in row)
         values = np.array([[float((x / largest).mid()) for x in row] for row in balls])
     return np.array([row for row, _ in rows]).T, values, [1 / size for size in sizes]
+
+
+def _sampled(frame: np.ndarray, angles: np.ndarray, trim: TrimForms) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 4) of the conic that the frame makes of the unit circle, and whether both models hold them."""
+    x = (frame @ np.stack([np.cos(angles), np.sin(angles), np.ones(len(angles))])).T
+    return x, trim.inside(x) & (np.abs(x[:, 3]) > 1e-9 * np.abs(x).max())
+
+
+def runs(good: np.ndarray) -> list[np.ndarray]:
+    """The runs of True around the circle, as indices."""
+    if good.all():
+        return [np.arange(len(good))]
+    if not good.any():
+        return []
+    start = int(np.flatnonzero(~good)[0])
+    order = (np.arange(len(good)) + start) % len(good)
+    cuts = np.flatnonzero(np.diff(good[order].astype(int))) + 1
+    return [run for run in np.split(order, cuts) if good[run[0]]]
 
 
 def _on_conic(contact: Contact, inner: np.ndarray, near: np.ndarray, sizes: Sequence[fmpq]) -> Vector:
