@@ -75,7 +75,7 @@ def test_gaps_between_contacts():
 def test_what_candidates_leave_open_is_asked_between_them(monkeypatch):
     """As if nothing were told of any candidate: models that were apart are not taken to stay so."""
     monkeypatch.setattr(CandidateSearch, "meetings", lambda search, group: [])
-    monkeypatch.setattr(CandidateSearch, "are_no_contacts", lambda search, group: False)
+    monkeypatch.setattr(CandidateSearch, "doubt", lambda search, group: "left open")
     ball = fc.sphere(1).translated((-5, 0, 0)).moving(fc.Translation((10, 0, 0)))
     (only,) = fc.contact_intervals(ball, fc.box((2, 2, 2)), exact=True)
     assert (only.start, only.end) == (0.3, 0.7)
