@@ -67,3 +67,13 @@ def test_an_edge_of_degree_four_on_a_plane_at_rest(shift, status):
     )
     table = fc.box((8, 8, 2)).translated((0, 0, 3)).translated((0, 0, shift))
     assert fc.first_contact(bicylinder, table).status.name == status
+
+
+@pytest.mark.parametrize(("shift", "allowed"), [(0, {"INITIAL_CONTACT", "UNDECIDED"}), ("1/1000000", {"FREE"})])
+def test_an_edge_that_touches_a_plane_in_irrational_points(shift, allowed):
+    """z <= y^2 - x^2 within x^2 + y^2 <= 2: the highest points (0, +-sqrt(2), 2) are on the edge alone."""
+    saddle = fc.quadric([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, "1/2"], [0, 0, "1/2", 0]])
+    body = saddle & fc.quadric([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, -2]]) & fc.box((8, 8, 8))
+    table = fc.box((8, 8, 2)).translated((0, 0, 3)).translated((0, 0, shift))
+    for pair in ((body, table), (table, body)):
+        assert fc.first_contact(*pair).status.name in allowed

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.contact.models import at_rest
+from firstcontact.contact.models import algorithm, at_rest
 from firstcontact.contact.models.algorithm import CandidateSearch
+from firstcontact.exact.numbers import Undecidable
 
 
 def capped():
@@ -79,6 +80,33 @@ def test_what_candidates_leave_open_is_asked_between_them(monkeypatch):
     ball = fc.sphere(1).translated((-5, 0, 0)).moving(fc.Translation((10, 0, 0)))
     (only,) = fc.contact_intervals(ball, fc.box((2, 2, 2)), exact=True)
     assert (only.start, only.end) == (0.3, 0.7)
+
+
+def test_a_candidate_that_stays_open_between_free_times_leaves_the_answer_open(monkeypatch):
+    """Balls that graze at 1/2 alone, as if that were not told: FREE would be wrong."""
+    ball, other = fc.sphere(1).translated((-5, 0, 0)), fc.sphere(1).translated((0, 2, 0))
+    passing = ball.moving(fc.Translation((10, 0, 0)))
+    (graze,) = fc.contact_intervals(passing, other, method="algebraic")
+    assert (graze.start, graze.end) == (0.5, 0.5)
+    monkeypatch.setattr(CandidateSearch, "meetings", lambda search, group: [])
+    monkeypatch.setattr(CandidateSearch, "doubt", lambda search, group: "left open")
+    with pytest.raises(fc.UnsupportedPair, match="left open"):
+        fc.contact_intervals(passing, other, method="algebraic")
+
+
+def test_an_open_candidate_at_the_only_instant_leaves_the_answer_open(monkeypatch):
+    """The same balls at 1/2, as if nothing were told of any candidate, and no common inner point were found."""
+    passing = fc.sphere(1).translated((-5, 0, 0)).moving(fc.Translation((10, 0, 0)))
+    other, instant = fc.sphere(1).translated((0, 2, 0)), (F(1, 2), F(1, 2))
+    assert len(fc.contact_intervals(passing, other, instant, method="algebraic")) == 1
+
+    def open_(candidate):
+        raise Undecidable("left open")
+
+    monkeypatch.setattr(algorithm, "_validated", open_)
+    monkeypatch.setattr(CandidateSearch, "share_a_point", lambda search, u, passed=None: False)
+    with pytest.raises(fc.UnsupportedPair, match="not told"):
+        fc.contact_intervals(passing, other, instant, method="algebraic")
 
 
 def test_solids_whose_common_part_is_too_thin_to_be_traced_are_left_undecided():

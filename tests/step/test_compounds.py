@@ -122,3 +122,14 @@ def test_what_pictures_have_of_a_body_is_made_once_and_goes_with_it(is_drawn_fir
     assert pickle.loads(pickle.dumps(moved)).translated((1, 0, 0)).shown[0].body.vertices[:, 0].max() == 8
     assert moved.shown[0].body.vertices[:, 0].max() == 7 and row.shown[0].body.vertices[:, 0].max() == 1
     assert len(calls) == 1
+
+
+@pytest.mark.parametrize("way", [(1, 0, 0), (0, 0, 1), (0, 0, -1)])
+def test_a_compound_that_stands_on_a_mesh(way):
+    """It slides along it or leaves it, without a new contact, or goes down into it."""
+    plate = fc.examples.box((9, 9, 1)).translated((0, 0, "-1/2"))
+    for a in (boxes((0, 0, 0.5), (1, 0, 0.5)), boxes((0, 0, 0.5), (3, 0, 0.5))):
+        for x, y in ((a.moving(fc.Translation(way)), plate), (plate, a.moving(fc.Translation(way)))):
+            found = fc.first_new_contact(x, y)
+            assert found.status in ((fc.Status.CONTACT, fc.Status.UNDECIDED, fc.Status.INITIAL_CONTACT) if way[2] < 0
+                                    else (fc.Status.FREE, fc.Status.UNDECIDED))  # fmt: skip

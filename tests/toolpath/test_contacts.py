@@ -339,3 +339,14 @@ def test_the_enclosure_holds_fractions_that_are_no_doubles(tmp_path, whole):
         wall = fc.box((1, 4, 4)).translated((k + 1 + Fraction(1, 2), 0, 0))
         (finding,) = found_in(tmp_path, f"G0 X{whole} Y0 Z0", {"wall": wall}, tool=tool).findings
         assert Fraction(finding.lo) <= Fraction(k, whole) <= Fraction(finding.hi)
+
+
+def test_the_enclosure_holds_fractions_of_a_block_of_many_ways(tmp_path):
+    """A drill goes down 1 fast and on to its depth, then back up to -1: it meets the floor after top of 2 depth - 1."""
+    drill = fc.Tool([("flutes", "cutter", 2, 2)])
+    for depth in (3, 5, 6, 7, 9, 11, 12, 13, 14, 15):
+        for top in range(2, depth):
+            floor = {"floor": fc.box((4, 4, 40)).translated((0, 0, -top - 20))}
+            (finding,) = found_in(tmp_path, f"G90 G99 G81 X0 Y0 Z-{depth} R-1 F100", floor, tool=drill).findings
+            way = 2 * depth - 1
+            assert Fraction(finding.lo) <= Fraction(top, way) <= Fraction(finding.hi), (depth, top)

@@ -162,6 +162,11 @@ def simplest(lo: fmpq, hi: fmpq) -> fmpq:
     return below + 1 / simplest(1 / (hi - below), 1 / (lo - below))
 
 
+def simplest_in(ball: arb) -> fmpq:
+    """The fraction of least denominator in a finite ball."""
+    return simplest(dyadic(arb(ball.lower())), dyadic(arb(ball.upper())))
+
+
 def likely(lo: fmpq, hi: fmpq) -> fmpq:
     """What stands for a number that is known to be in [lo, hi]: a fraction so short that no chance puts it there.
 

@@ -376,7 +376,8 @@ class _Answer:
             for piece in relative_pieces(a, b, fmpq(0), fmpq(0)):
                 pair = MovingPair(thin, self.model, piece) if self.mesh_is_a else MovingPair(self.model, thin, piece)
                 search = CandidateSearch(pair, self.work)
-                if meetings := [m for m in search.at_start() if all(is_kept(pair, m, motion) for motion in motions)]:
+                touching = search.at_start() or ()
+                if meetings := [m for m in touching if all(is_kept(pair, m, motion) for motion in motions)]:
                     seen = contact_of(search, meetings, False, {**self.shared, "a": a, "b": b})
                     until, self.lands = swept.free_until, True
                     seen = replace(

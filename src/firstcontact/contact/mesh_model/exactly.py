@@ -27,7 +27,7 @@ from firstcontact.contact.models.exact_windows import decided_intervals
 from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
-from firstcontact.exact.numbers import Undecidable, below, exact_value
+from firstcontact.exact.numbers import below, exact_value
 from firstcontact.exact.rigid import inverse_map
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import relative_pieces
@@ -83,12 +83,10 @@ class _MeshSearch(CandidateSearch):
             if place.point is not None:
                 return True
             apart &= place.relation is Relation.APART
-        try:
-            if self.lasting(u):
-                return True
-        except Undecidable:
-            return None
-        return self._is_held(u) if apart else None
+        lasting = self.lasting(u)
+        if lasting:
+            return True
+        return self._is_held(u) if apart and lasting is not None else None
 
     def _is_held(self, u: fmpq) -> bool | None:
         """Whether the polyhedron holds a part of the model, where its surface meets none; None where it is not told."""

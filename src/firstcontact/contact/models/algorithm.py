@@ -29,7 +29,6 @@ from firstcontact.contact.models.membership import extent
 from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.contact.models.square_subproblems import SquareSubproblem
 from firstcontact.contact.models.subproblems import Subproblem, subproblems
-from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision, to_double
 from firstcontact.exact.systems.square_systems import EnclosedRoot, OpenRoot
@@ -170,45 +169,35 @@ class CandidateSearch:
         assert piece.u_hi is not None
         return root.hi - root.lo < NARROW * (piece.u_hi - piece.u_lo)
 
-    def at_start(self) -> list[Meeting]:
-        """As `start_contacts`; UnsupportedPair where none is known and one is open."""
-        found = self.start_contacts()
-        if found is None:
-            raise UnsupportedPair("the models come so close at the start that it is not told whether they touch")
-        return found
-
-    def start_contacts(self) -> list[Meeting] | None:
+    def at_start(self) -> list[Meeting] | None:
         """The contacts at the start: candidates there, and features that may be in contact all the time.
 
         None where none is known and one is open.
         """
         there = [c for c in self.candidates if self.is_at_start(c.root)]
         found = [m for c in there for m in self.verdict(c)[0]]
+        lasting: list[Meeting] | None = []
         if self.starts_rational:
-            try:
-                found += self.lasting(self.pair.piece.u_lo, known={id(c.subproblem) for c in there})
-            except Undecidable:
-                return found or None
-        return found
+            lasting = self.lasting(self.pair.piece.u_lo, known={id(c.subproblem) for c in there})
+        found += lasting or []
+        return None if not found and (lasting is None or self.doubt(there)) else found
 
-    def lasting(self, u: fmpq, known: Collection[int] = ()) -> list[Meeting]:
+    def lasting(self, u: fmpq, known: Collection[int] = ()) -> list[Meeting] | None:
         """The contacts at a rational u of features that may be in contact at all times, which no root tells: they
         slide in one another, or stay tangent.  known: subproblems (by id) to leave out.
 
-        Undecidable where none is known and one is open.
+        None where none is known and one is open.
         """
-        at, doubt = AlgebraicRoot.of(u), ""
+        at, is_open = AlgebraicRoot.of(u), False
         found: list[Meeting] = []
         for task in self.tasks:
             if not task.equation.may_hold_always or id(task) in known:
                 continue
             try:
                 found += _validated(Candidate(task, at))[0]
-            except Undecidable as error:
-                doubt = doubt or f"{task.a.name} slides in {task.b.name}; not decided: {error}"
-        if doubt and not found:
-            raise Undecidable(doubt)
-        return found
+            except Undecidable:
+                is_open = True
+        return None if is_open and not found else found
 
     def share_a_point(self, u: fmpq, passed: list[Candidate] | None = None) -> bool | None:
         """Whether the models share a point at a rational u that is no candidate; None where it is not proved that they
@@ -227,10 +216,12 @@ class CandidateSearch:
         if self._relation(u) is Relation.APART:
             return False
         overlapping = self._overlap(u)  # far sooner told than what slides in one another, where they do
-        try:
-            return True if overlapping or self.lasting(u) or coincide(self.pair, u) else overlapping
-        except Undecidable:
-            return None
+        if overlapping:
+            return True
+        lasting = self.lasting(u)
+        if lasting or coincide(self.pair, u):
+            return True
+        return None if lasting is None else overlapping
 
     def _meet_in_doubles(self, u: fmpq) -> bool:
         """Whether a point that doubles find is inside both models at u; it is one of the inner ones then."""

@@ -1,15 +1,16 @@
 """What of a contact set of two whole carriers lies in both models: points, segments of lines, arcs of conics.
 
-Where a set is more than a point its ends and a sample point inside are found in doubles; the sample point is then
-placed exactly and decides.  Ends of segments lie on edges, so pieces that doubles miss are seen there; of conics all
-stretches between surfaces are told with proof where samples show none, and what stays open is said.
+Where a set is more than a point its ends and a point inside are found in doubles; the point is then placed exactly and
+decides.  Ends of segments lie on edges, so pieces that doubles miss are seen there.  Of conics all stretches between
+surfaces are told with proof, where spots that doubles leave open are looked at in the same way; where no point of one
+is held, exact counts of zeros tell whether surfaces cross the conic there at all.
 Points in doubles are homogeneous, in lengths of `Pair.unit`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,27 +18,25 @@ import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.body.solid.csg import possible
-from firstcontact.contact.models.held_parts import HeldParts, Stretch, Trim, on_faces
+from firstcontact.contact.models.held_parts import TURN, HeldParts, Stretch, Trim, on_faces
 from firstcontact.contact.models.membership import On, Vector, in_both
 from firstcontact.contact.models.moving_pair import MovingPair, form_at, is_plane
 from firstcontact.exact.fields.number_field import NumberField, QuadraticElement, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import exact_value, precision
+from firstcontact.exact.pencils.conic_pencils import ConicMeeting, conic_contacts
 from firstcontact.exact.pencils.pencils import characteristic, discriminant
 from firstcontact.exact.polynomials.inertia import dot, times, value
 from firstcontact.exact.vectors import cross
 from firstcontact.pairs.carriers import planar_conics
-from firstcontact.pairs.carriers.contact import Contact, vector_at
+from firstcontact.pairs.carriers.contact import Contact, vector_at, zero
 
 if TYPE_CHECKING:
     from firstcontact.exact.systems.square_systems import EnclosedRoot
 
-SAMPLES = 720
-"""Points of a conic looked at in doubles."""
+ARC_POINTS = 720
+"""Points along a whole conic."""
 OPEN = "it is not told whether they share a point of a curve"
-FINER = 61
-"""Points looked at around one that is held alone, the odd one in the middle."""
-
 OUTSIDE = "outside the faces"
 AT_INFINITY = 1e-12
 """The weight of a point beyond which it is at infinity, in parts of its coordinates."""
@@ -69,21 +68,21 @@ def shared_part(
         reason = in_both(pair, x, root, on_a, on_b)
         return ([], reason) if reason else ([Shared("point", x, cartesian(x)[None])], "")
     trim = TrimForms(pair, root, on_a, on_b)
-    parts = _segments(contact, trim) if contact.kind == "line" else _arcs(contact, trim)
+    if contact.kind == "conic":
+        return _conic_parts(contact, trim, pair, root, on_a, on_b)
+    parts = _segments(contact, trim)
     found = [part for part in parts if not in_both(pair, part.at, root, on_a, on_b)]
-    if found:
-        return found, ""
-    return _between_samples(contact, trim, pair, root, on_a, on_b) if contact.kind == "conic" else ([], OUTSIDE)
+    return found, "" if found else OUTSIDE
 
 
-def _between_samples(
+def _conic_parts(
     contact: Contact, trim: TrimForms, pair: MovingPair, root: AlgebraicRoot | EnclosedRoot, on_a: On, on_b: On
 ) -> tuple[list[Shared], str]:
-    """What both models hold of a conic of which they hold no sample, with proof; or that this is open."""
+    """What both models hold of a conic, with proof; or that this is open."""
     curve = _Conic(contact, pair.unit)
     if curve.frame is None:
         return [], OUTSIDE
-    parts = HeldParts(curve.frame, curve.period, trim.models, NOUGHT)
+    parts = HeldParts(curve.frame, trim.models, NOUGHT)
     stretches = parts.found()
     spots = [s for s in stretches if s.inner is None]
     places = [(s, s.inner) for s in stretches if s.inner is not None]
@@ -92,20 +91,24 @@ def _between_samples(
         found = [part for part in held if part is not None and not in_both(pair, part.at, root, on_a, on_b)]
         if found:
             return found, ""
-    told = all(not parts.may_hold(spot) or _is_empty(spot, parts, curve, pair, root) for spot in spots)
+    if not isinstance(root, AlgebraicRoot):
+        return [], OPEN
+    field = NumberField(root)
+
+    def exact(m: int, k: int) -> Any:
+        form = (pair.forms_a, pair.forms_b)[m][k]
+        return vector_at(field, form) if is_plane(form) else field.matrix(form)
+
+    steady = not places or all(curve.keeps_side(exact(m, k)) for m, k in parts.along)
+    told = steady and all(not parts.may_hold(spot) or _is_empty(spot, parts, curve, exact) for spot in spots)
     return [], OUTSIDE if told else OPEN
 
 
-def _is_empty(
-    spot: Stretch, parts: HeldParts, curve: _Conic, pair: MovingPair, root: AlgebraicRoot | EnclosedRoot
-) -> bool:
-    """Whether all zeros on the curve of the forms that may vanish in a spot are outside it, by their exact number."""
-    if not isinstance(root, AlgebraicRoot):
-        return False
-    field = NumberField(root)
+def _is_empty(spot: Stretch, parts: HeldParts, curve: _Conic, exact: Callable[[int, int], Any]) -> bool:
+    """Whether all zeros on the conic of the forms that may vanish in a spot are outside it, by their exact number."""
     for m, k in parts.open_forms(spot):
-        form = (pair.forms_a, pair.forms_b)[m][k]
-        count = curve.zeros(vector_at(field, form) if is_plane(form) else field.matrix(form))
+        form = exact(m, k)
+        count = curve.zeros(form)
         line = parts.frame.T @ (2.0 * parts.trims[m].forms[k][3] * [1.0, 1.0, 1.0, 0.5]) if is_plane(form) else None
         if count is None or count > parts.changes(m, k, spot, line):
             return False
@@ -204,31 +207,8 @@ def scaled(x: Vector, unit: float) -> tuple[np.ndarray, fmpq]:
         return np.array([float((v / arb(size)).mid()) for v in values]), size
 
 
-def _arcs(contact: Contact, trim: TrimForms) -> Iterator[Shared]:
-    span, form, sizes = _balanced(contact, trim.unit)
-    values, vectors = np.linalg.eigh(form)
-    if values[1] > 0:  # signs (-, +, +): the odd one last
-        values, vectors = values[::-1], vectors[:, ::-1]
-    if not values[2] * values[1] < 0 < values[0] * values[1]:
-        return  # no proper real conic: the lines of a pair are other pairs' contacts
-    axes = vectors / np.sqrt(np.abs(values))
-    angles = np.linspace(0, 2 * np.pi, SAMPLES, endpoint=False)
-    x, good = _sampled(span @ axes, angles, trim)
-    for run in runs(good):
-        kind, held, angle = "conic arc", x[run], angles[run[len(run) // 2]]
-        if len(run) == 1:  # a point that both touch, unless more is held between it and its neighbours
-            finer, good = _sampled(span @ axes, angle + np.linspace(-1, 1, FINER) * 2 * np.pi / SAMPLES, trim)
-            held = finer[good]
-            kind = "conic arc" if len(held) > 1 else "point"
-        near = axes @ (round(math.cos(angle), 15), round(math.sin(angle), 15), 1.0)
-        at = _on_conic(contact, axes[:, 2], near, sizes)
-        yield Shared(kind, at, trim.unit * held[:, :3] / held[:, 3:], closed=len(run) == SAMPLES)
-
-
 class _Conic:
-    """axes (cos t, sin t, 1), t from 0 to 2 pi, in the plane of a conic; frame None where it has no real points."""
-
-    period = 2.0 * math.pi
+    """axes (cos t, sin t, 1), t from 0 to TURN, in the plane of a conic; frame None where it has no real points."""
 
     def __init__(self, contact: Contact, unit: float) -> None:
         self.contact = contact
@@ -248,22 +228,39 @@ class _Conic:
         if stretch is None:
             return _shared("point", at, self.frame, [t], unit)
         length = stretch.hi - stretch.lo
-        angles = np.linspace(stretch.lo, stretch.hi, 2 + round(SAMPLES * length / self.period))
-        closed = length >= self.period * (1.0 - 1e-12)
+        angles = np.linspace(stretch.lo, stretch.hi, 2 + round(ARC_POINTS * length / TURN))
+        closed = length >= TURN * (1.0 - 1e-12)
         return _shared("conic arc", at, self.frame, angles[:-1] if closed else angles, unit, closed)
+
+    def keeps_side(self, form: Any) -> bool:
+        """Whether a plane or quadric over the field vanishes all along it, or nowhere."""
+        conic, other = self._within(form)
+        along = zero(other) if is_plane(form) else _touches_as(ConicMeeting.SAME, conic, other)
+        return along or self.zeros(form) == 0
+
+    def _within(self, form: Any) -> tuple[Any, Any]:
+        """The conic's form and that of a plane or quadric, in the basis of the conic's plane."""
+        span = self.contact.span
+        if is_plane(form):
+            return self.contact.form, [dot(form, x) for x in span]
+        return self.contact.form, tuple(tuple(dot(x, times(form, y)) for y in span) for x in span)
 
     def zeros(self, form: Any) -> int | None:
         """How many real zeros a plane or quadric over the field has on it; None where two are one."""
-        conic, span = self.contact.form, self.contact.span
-        assert conic is not None
-        if not isinstance(form[0], tuple):
-            line = [dot(form, x) for x in span]
-            minors = [cross(conic[(i + 1) % 3], conic[(i + 2) % 3]) for i in range(3)]
-            side = sign(value(minors, line))
+        conic, other = self._within(form)
+        if is_plane(form):
+            adjoint = [cross(conic[(i + 1) % 3], conic[(i + 2) % 3]) for i in range(3)]
+            side = sign(value(adjoint, other))
             return None if side == 0 else 2 if side < 0 else 0
-        other = tuple(tuple(dot(x, times(form, y)) for y in span) for x in span)
         side = sign(discriminant(characteristic(conic, other)))
-        return None if side == 0 else 2 if side < 0 else 4 if planar_conics.cross(conic, other) else 0
+        if side == 0:
+            return 0 if _touches_as(ConicMeeting.IMAGINARY, conic, other) else None
+        return 2 if side < 0 else 4 if planar_conics.cross(conic, other) else 0
+
+
+def _touches_as(meeting: ConicMeeting, first: Any, second: Any) -> bool:
+    """Whether two conics of one plane do."""
+    return any(found.meeting is meeting for found in conic_contacts(first, second).tangencies)
 
 
 def _shared(
@@ -274,7 +271,7 @@ def _shared(
     x = (frame @ np.stack([np.cos(t), np.sin(t), np.ones(len(t))])).T
     if (np.abs(x[:, 3]) <= AT_INFINITY * np.abs(x).max()).any():
         return None
-    return Shared(kind if len(t) > 1 else "point", at, unit * x[:, :3] / x[:, 3:], closed)
+    return Shared(kind, at, unit * x[:, :3] / x[:, 3:], closed)
 
 
 def _balanced(contact: Contact, unit: float) -> tuple[np.ndarray, np.ndarray, list[fmpq]]:
@@ -291,24 +288,6 @@ def _balanced(contact: Contact, unit: float) -> tuple[np.ndarray, np.ndarray, li
         largest = max(abs(x.mid()) for row in balls for x in row)
         values = np.array([[float((x / largest).mid()) for x in row] for row in balls])
     return np.array([row for row, _ in rows]).T, values, [1 / size for size in sizes]
-
-
-def _sampled(frame: np.ndarray, angles: np.ndarray, trim: TrimForms) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n, 4) of the conic that the frame makes of the unit circle, and whether both models hold them."""
-    x = (frame @ np.stack([np.cos(angles), np.sin(angles), np.ones(len(angles))])).T
-    return x, trim.inside(x) & (np.abs(x[:, 3]) > 1e-9 * np.abs(x).max())
-
-
-def runs(good: np.ndarray) -> list[np.ndarray]:
-    """The runs of True around the circle, as indices."""
-    if good.all():
-        return [np.arange(len(good))]
-    if not good.any():
-        return []
-    start = int(np.flatnonzero(~good)[0])
-    order = (np.arange(len(good)) + start) % len(good)
-    cuts = np.flatnonzero(np.diff(good[order].astype(int))) + 1
-    return [run for run in np.split(order, cuts) if good[run[0]]]
 
 
 def _on_conic(contact: Contact, inner: np.ndarray, near: np.ndarray, sizes: Sequence[fmpq]) -> Vector:

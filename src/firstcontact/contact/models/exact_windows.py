@@ -135,9 +135,12 @@ def _instant(search: CandidateSearch) -> Iterator[tuple[WindowEnd, WindowEnd]]:
 
     u_lo is the instant, or before it where that is irrational, with no candidate between.
     """
-    if search.at_start() or _share(search, search.pair.piece.u_lo, None):
+    touching = search.at_start()
+    if touching or _share(search, search.pair.piece.u_lo, None):
         end = WindowEnd(search, None, search.pair.piece.start)
         yield end, end
+    elif touching is None:
+        raise UnsupportedPair("the models come so close that it is not told whether they touch")
 
 
 def _share(search: CandidateSearch, u: fmpq, passed: list[Candidate] | None) -> bool:

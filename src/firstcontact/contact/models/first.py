@@ -368,14 +368,11 @@ def _searches(query: Query, work: Work, free_until: float = -math.inf) -> Iterat
 def _answer(search: CandidateSearch, at_start: bool, query: Query) -> FirstContact | None:
     """The answer if the piece has one; None when it is free."""
     if at_start:
-        start = AlgebraicRoot.of(search.pair.piece.u_lo)
-        touching = search.start_contacts()
-        if touching is None:
-            return _open(search, start, query)
+        touching = search.at_start()
         if touching or search.overlaps_after_start() or search.coincides_at_start():
-            return _initial(search, touching, query)
-        if search.may_share_a_point_after_start():
-            return _open(search, start, query)
+            return _initial(search, touching or [], query)
+        if touching is None or search.may_share_a_point_after_start():
+            return _open(search, AlgebraicRoot.of(search.pair.piece.u_lo), query)
     meetings = search.first()
     if not meetings:
         stopped = search.stop()

@@ -32,7 +32,6 @@ from firstcontact.body.solid.carriers import (
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, inside
 from firstcontact.body.solid.features import Edge, Face, Vertex
-from firstcontact.contact.models.contact_sets import SAMPLES, runs
 from firstcontact.contact.models.forms import Form, forms_of, value
 from firstcontact.contact.models.kept_directions import Axis, stay_parallel
 from firstcontact.contact.models.patches import beside, border
@@ -43,6 +42,8 @@ from firstcontact.search.convex.convex import NotConvex, convex_pieces
 CLEAR = 1e-7
 """Of the size of its terms: a form smaller than that may vanish in truth."""
 
+SAMPLES = 720
+"""Points of a rim looked at."""
 MOST_PLANS = 256
 """Kept of a model: turning ones meet lines in ever new directions."""
 
@@ -880,4 +881,16 @@ def _arcs(body: _Body, rim: Edge, other: _Body, on: frozenset[int]) -> list[np.n
         for k, side in zip(on, choice, strict=True):
             negative[k] = np.full(SAMPLES, side)
         either.append(inside(other.model.tree, negative))
-    return [points[run] for run in runs(good & np.any(either, axis=0) & ~np.all(either, axis=0))]
+    return [points[run] for run in _runs(good & np.any(either, axis=0) & ~np.all(either, axis=0))]
+
+
+def _runs(good: np.ndarray) -> list[np.ndarray]:
+    """The runs of True around the circle, as indices."""
+    if good.all():
+        return [np.arange(len(good))]
+    if not good.any():
+        return []
+    start = int(np.flatnonzero(~good)[0])
+    order = (np.arange(len(good)) + start) % len(good)
+    cuts = np.flatnonzero(np.diff(good[order].astype(int))) + 1
+    return [run for run in np.split(order, cuts) if good[run[0]]]

@@ -1,12 +1,13 @@
-"""Which parts of a line or conic two models may hold, as doubles tell it with proof: stretches, and spots left open.
+"""Which parts of a conic two models may hold, as doubles tell it with proof: stretches, and spots left open.
 
-Along X(t) = frame (cos t, sin t, 1), or (cos t, sin t, 0) for a line, a form is a trigonometric polynomial F of degree
-2.  With M a bound of its second derivative it has one sign between two places at the distance h where |F| > M h^2 / 8
-at both.  Stretches in which all forms have one sign are held or not; others are halved until they are SHORT.
+Along X(t) = frame (cos t, sin t, 1) a form is a trigonometric polynomial F of degree 2.  With M a bound of its second
+derivative it has one sign between two places at the distance h where |F| > M h^2 / 8 at both.  Stretches in which all
+forms have one sign are held or not; others are halved until they are SHORT.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import NamedTuple
@@ -16,12 +17,15 @@ import numpy as np
 from firstcontact.body.solid.csg import Tree, outcomes, possible
 from firstcontact.contact.models.membership import On
 
+TURN = 2.0 * math.pi
 PARTS = 720
 """Stretches of a whole turn at the start."""
 SHORT = 1e-11
 """Length of a stretch that is not halved further."""
 SLACK = 1e-12
 """Values of forms that are not told from zero, in parts of what they are made of."""
+ALONG = 100.0
+"""So many times as much, and a form may vanish all along the conic, as far as doubles tell."""
 MOST = 20_000
 """Stretches at once, beyond which they stay as they are."""
 
@@ -85,15 +89,15 @@ class Series(NamedTuple):
 
 
 class HeldParts:
-    """The parts of the curve that the models may hold; period: after which it is passed again."""
+    """The parts of the conic that the models may hold.  nought: least size of coordinates, in parts of the largest."""
 
-    def __init__(self, frame: np.ndarray, period: float, trims: Sequence[Trim], nought: float) -> None:
-        self.frame, self.period, self.trims = frame, period, trims
+    def __init__(self, frame: np.ndarray, trims: Sequence[Trim], nought: float) -> None:
+        self.frame, self.trims = frame, trims
         reach = np.abs(frame).sum(axis=1)
         reach = reach + nought * reach.max()
         self.series = [Series.of(trim.forms, frame) for trim in trims]
         self.slack = [SLACK * np.einsum("i,sij,j->s", reach, np.abs(trim.forms), reach)[:, None] for trim in trims]
-        self.free = [trim.holds[:, None] | (self._size(s) <= slack)
+        self.free = [trim.holds[:, None] | (self._size(s) <= ALONG * slack)
                      for trim, s, slack in zip(trims, self.series, self.slack, strict=True)]  # fmt: skip
 
     @staticmethod
@@ -101,9 +105,15 @@ class HeldParts:
         size: np.ndarray = sum((np.abs(x) for x in series), np.zeros_like(series.c))
         return size
 
+    @property
+    def along(self) -> list[tuple[int, int]]:
+        """(model, form) of those that may vanish all along, but for those that hold the conic."""
+        pairs = enumerate(zip(self.trims, self.free, strict=True))
+        return [(m, int(k)) for m, (trim, free) in pairs for k in np.flatnonzero(free[:, 0] & ~trim.holds)]
+
     def found(self) -> list[Stretch]:
         """Held stretches and open spots, in order."""
-        h = self.period / PARTS
+        h = TURN / PARTS
         lo = np.arange(PARTS) * h
         held: list[np.ndarray] = []
         while True:
@@ -140,11 +150,15 @@ class HeldParts:
                 groups[-1].append((lo, h, is_held))
             else:
                 groups.append([(lo, h, is_held)])
-        if len(groups) > 1 and groups[0][0][0] <= SHORT and sum(groups[-1][-1][:2]) >= self.period - SHORT:
-            groups[0] = [(lo - self.period, h, is_held) for lo, h, is_held in groups.pop()] + groups[0]
+        if len(groups) > 1 and groups[0][0][0] <= SHORT and sum(groups[-1][-1][:2]) >= TURN - SHORT:
+            groups[0] = [(lo - TURN, h, is_held) for lo, h, is_held in groups.pop()] + groups[0]
         for group in groups:
-            h, inner = max((h, lo + 0.5 * h) if is_held else (0.0, 0.0) for lo, h, is_held in group)
-            yield Stretch(group[0][0], sum(group[-1][:2]), inner if h else None)
+            first, last = group[0][0], sum(group[-1][:2])
+            held = [(h, lo) for lo, h, is_held in group if is_held]
+            inner = 0.5 * (first + last)
+            if held and not any(lo <= inner <= lo + h for h, lo in held):
+                inner = max(held)[1] + 0.5 * max(held)[0]
+            yield Stretch(first, last, inner if held else None)
 
     def places(self, spot: Stretch) -> list[float]:
         """Where more than a point of a spot is held, if anywhere: its middle, and where forms turn."""
@@ -180,8 +194,8 @@ class HeldParts:
 
         line: of a plane, the coefficients of (cos t, sin t, 1): its form has zeros at infinity too.
         """
-        t = np.concatenate([[spot.hi], spot.hi + (self.period - (spot.hi - spot.lo)) * np.arange(1, PARTS) / PARTS,
-                            [spot.lo + self.period]])  # fmt: skip
+        t = np.concatenate([[spot.hi], spot.hi + (TURN - (spot.hi - spot.lo)) * np.arange(1, PARTS) / PARTS,
+                            [spot.lo + TURN]])  # fmt: skip
         if line is None:
             values, slack = self.series[m](t)[k], float(self.slack[m][k, 0])
         else:

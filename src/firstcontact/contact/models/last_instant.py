@@ -45,8 +45,7 @@ def landing(a: Model, b: Model, t: fmpq) -> tuple[CandidateSearch, list[Meeting]
     motion = motions[0] if motions else None
     for piece in relative_pieces(*bodies, fmpq(0), fmpq(0)):
         search = CandidateSearch(MovingPair(shape_of(bodies[0]), shape_of(bodies[1]), piece))
-        met = search.start_contacts() or ()
-        meetings = [m for m in met if motion is None or is_kept(search.pair, m, motion)]
+        meetings = [m for m in search.at_start() or () if motion is None or is_kept(search.pair, m, motion)]
         return (search, meetings) if meetings else None
     return None
 

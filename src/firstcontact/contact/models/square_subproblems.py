@@ -14,17 +14,17 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-from flint import arb, fmpq, fmpq_mat, fmpz_poly
+from flint import fmpq, fmpq_mat, fmpz_poly
 
 from firstcontact.body.solid.carriers import EnclosedPoint, Plane, QuarticCurve, doubles, upright
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.common_box import Box, common_box
 from firstcontact.contact.models.moving_pair import Form, MovingPair, without_factor
-from firstcontact.contact.models.system_search import SearchedSolid, StandingZeros, is_zero_at, standing, zeros_within
+from firstcontact.contact.models.system_search import FoundZeros, SearchedSolid, StandingZeros, standing, zeros_within
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
-from firstcontact.exact.numbers import dyadic, exact_value, precision, simplest
+from firstcontact.exact.numbers import exact_value, precision, simplest_in
 from firstcontact.exact.polynomials.inertia import dot
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix, congruent, constant
 from firstcontact.exact.systems.square_systems import (
@@ -200,19 +200,12 @@ class SquareSubproblem:
         return self.view.solids(*(self.on if self.view.moving else self.on[::-1]))
 
     @cached_property
-    def _found(self) -> list[EnclosedRoot | AlgebraicRoot | OpenRoot]:
-        if self.slides:
-            return []
+    def _found(self) -> FoundZeros:
+        """The zeros of a motion."""
         piece = self.pair.piece
-        if self._is_still:
-            some = self._standing.points or self._standing.is_open
-            return [AlgebraicRoot.of(piece.u_lo)] if some else []
         assert piece.u_hi is not None
-        reason = f"precision: {self.a.name} with {self.b.name}, {self.system_text}"
         slabs = max(1, self.system.degree // 4)
-        found = zeros_within(self.system, self._solids, self.box, (piece.u_lo, piece.u_hi), slabs)
-        roots = [self._root(zero) for zero in found.zeros]
-        return roots + [OpenRoot(max(lo, piece.u_lo), min(hi, piece.u_hi), reason) for lo, hi in found.open]
+        return zeros_within(self.system, self._solids, self.box, (piece.u_lo, piece.u_hi), slabs)
 
     @cached_property
     def _standing(self) -> StandingZeros:
@@ -220,23 +213,31 @@ class SquareSubproblem:
         return standing(self.system, self._solids, self.box, self.pair.piece.u_lo)
 
     @cached_property
-    def _rational(self) -> dict[fmpq, list[Vector]]:
-        """Points (x, y, z) of zeros that are rational, by their u."""
-        return {}
+    def _rational(self) -> list[tuple[fmpq, ...] | None]:
+        """x, y, z, u of each zero that is found; None where they are not the short fractions next to it."""
+        return [self._rational_at(zero) for zero in self._found.zeros]
 
-    def _root(self, zero: Zero) -> EnclosedRoot | AlgebraicRoot:
-        """The u of a zero, exactly where the zero is the short fractions next to it: what users choose is."""
-        balls = zero.balls(RATIONAL_BITS)
+    def _rational_at(self, zero: Zero) -> tuple[fmpq, ...] | None:
         with precision(RATIONAL_BITS):
-            *x, u = (simplest(dyadic(arb(c.lower())), dyadic(arb(c.upper()))) for c in balls)
-        if not is_zero_at(self.system, x, u):
-            return EnclosedRoot(zero)
-        self._rational.setdefault(u, []).append(tuple(x))
-        return AlgebraicRoot.of(u)
+            *x, u = map(simplest_in, zero.balls(RATIONAL_BITS))
+        return (*x, u) if self.system.vanishes_at(x, u) else None
+
+    def _candidates(self) -> list[EnclosedRoot | AlgebraicRoot | OpenRoot]:
+        piece = self.pair.piece
+        if self.slides:
+            return []
+        if self._is_still:
+            some = self._standing.points or self._standing.is_open
+            return [AlgebraicRoot.of(piece.u_lo)] if some else []
+        assert piece.u_hi is not None
+        reason = f"precision: {self.a.name} with {self.b.name}, {self.system_text}"
+        zeros = zip(self._found.zeros, self._rational, strict=True)
+        roots = [EnclosedRoot(zero) if known is None else AlgebraicRoot.of(known[3]) for zero, known in zeros]
+        return roots + [OpenRoot(max(lo, piece.u_lo), min(hi, piece.u_hi), reason) for lo, hi in self._found.open]
 
     def roots(self) -> list[EnclosedRoot | AlgebraicRoot | OpenRoot]:
         """The candidates in the piece whose points both closed models may hold."""
-        return [root for root in self._found if isinstance(root, OpenRoot) or self.pair.piece.contains(root)]
+        return [root for root in self._candidates() if isinstance(root, OpenRoot) or self.pair.piece.contains(root)]
 
     def contacts(self, root: EnclosedRoot | AlgebraicRoot) -> Contacts:
         """The points of the system's zeros; at a rational u, points of a feature that slides in a surface."""
@@ -254,7 +255,10 @@ class SquareSubproblem:
 
     def _at_rational(self, u: fmpq) -> Contacts:
         """The rational zeros at u."""
-        points = self._standing.points if self._is_still else self._rational.get(u, ())
+        if self._is_still:
+            points = self._standing.points
+        else:
+            points = [x[:3] for x in self._rational if x is not None and x[3] == u]
         sets = gather([finite((self.view.rational_in_frame_of_b(x, u),)) for x in points], NO_ZERO)
         return replace(sets, complete=not (self._is_still and self._standing.is_open))
 

@@ -16,10 +16,8 @@ from flint import fmpq, fmpq_poly
 
 from firstcontact.body.solid.csg import Tree, possible
 from firstcontact.exact.numbers import exact_value, simplest, to_double
-from firstcontact.exact.polynomials.inertia import dot, times
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix
 from firstcontact.exact.systems.square_systems import SquareSystem, Zero, certified
-from firstcontact.exact.vectors import cross
 
 T = TypeVar("T", float, fmpq)
 Vector = tuple[fmpq, ...]
@@ -118,18 +116,9 @@ def standing(
     points: dict[Vector, None] = {}
     for m, h in zip(middle, half, strict=True):
         x = tuple(simplest(*slab.side(k, m, h)) for k in range(3))
-        if is_zero_at(system, x, u):
+        if system.vanishes_at(x, u):
             points.setdefault(x)
     return StandingZeros(list(points), bool(len(half)))
-
-
-def is_zero_at(system: SquareSystem, x: Sequence[fmpq], u: fmpq) -> bool:
-    """Whether a rational point is a zero, exactly."""
-    point = (*x, fmpq(1))
-    images = [times([[p(u) for p in row] for row in form], point) for form in system.forms]
-    if any(dot(point, image) != 0 for image in images):
-        return False
-    return len(images) != 3 or dot(cross(images[0][:3], images[1][:3]), images[2][:3]) == 0
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ degree 4 of two quadrics: re-derived).  Krawczyk's test in ball arithmetic prove
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from flint import arb, arb_mat, fmpq, fmpz_poly
 
@@ -99,8 +100,8 @@ class FormEquations(Equations):
         raise NotImplementedError
 
     def values(self, x: Sequence[arb]) -> list[arb]:
-        """The four left sides at the balls x, y, z, u."""
-        point = [*x[:3], arb(1)]
+        """The four left sides at the balls, or rationals, x, y, z, u."""
+        point: list[Any] = [*x[:3], 1]
         images = [_image(form, point) for form in self.at(x[3])[0]]
         flat = self._in_plane([image[:3] for image in images], self.across)
         return [_dot(point, image) for image in images] + [det(*rows) for rows in flat]
@@ -135,6 +136,11 @@ class SquareSystem(FormEquations):
         self.forms = tuple(forms)
         self.slopes = tuple(tuple(tuple(p.derivative() for p in row) for row in form) for form in forms)
         self.degree = max(1, *(p.degree() for form in forms for row in form for p in row))
+
+    def vanishes_at(self, x: Sequence[fmpq], u: fmpq) -> bool:
+        """Whether a rational point is a zero, exactly."""
+        exact: Sequence[Any] = (*x, u)
+        return all(value == 0 for value in self.values(exact))
 
     def at(self, u: arb) -> tuple[list[Rows], list[Rows]]:
         forms, slopes = ([[[p(u) for p in row] for row in form] for form in both] for both in (self.forms, self.slopes))

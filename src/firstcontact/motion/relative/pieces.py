@@ -142,8 +142,8 @@ def placement_at(body: Body, time: fmpq) -> Placement:
 
 
 def _cut(steps_a: list[Step], steps_b: list[Step], first: fmpq, last: fmpq) -> list[tuple[fmpq, fmpq]]:
-    """The stretches of [first, last] in which both bodies make one step."""
-    inside = [t for s in (*steps_a, *steps_b) for t in (s.start, s.end) if t is not None and first < t < last]
+    """The stretches of [first, last] in which both bodies make one step; the first one goes on before its start."""
+    inside = [s.end for s in (*steps_a, *steps_b) if s.end is not None and first < s.end < last]
     if not inside:
         return [(first, last)]  # a rational number takes microseconds to hash
     return list(pairwise(sorted({first, last, *inside})))

@@ -381,17 +381,11 @@ class PieceSearch:
         return step_at(self.motions(), (_exact(window.first) + _exact(window.last)) / 2)
 
     def _close_up(self, window: Window, i: int, j: int) -> CloseUp | None:
-        """None where balls do not follow these pieces: the union of all has no forms of its own.
-
-        Nor where steps, which start at 0 whatever the span, end or start within the window.
-        """
+        """None where balls do not follow these pieces: the union of all has no forms of its own."""
         if self.motions is None or i >= len(self.a.solids) or j >= len(self.b.solids):
             return None
-        motion = self._motion(window)
-        if below(motion.start) > window.first or above(motion.end) < window.last:
-            return None
         try:
-            return CloseUp(motion, self.a, i, self.b, j)
+            return CloseUp(self._motion(window), self.a, i, self.b, j)
         except NoFunction:
             return None
 

@@ -27,7 +27,7 @@ from firstcontact.exact.numbers import (
     exact_value,
     nearest_double,
     precision,
-    simplest,
+    simplest_in,
     to_double,
 )
 from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
@@ -358,7 +358,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         for end in (self.length, fmpq(0)):
             if root.contains(end):
                 return end
-        return simplest(dyadic(root.lower()), dyadic(root.upper()))
+        return simplest_in(root)
 
     def _exact_poses(self, time: fmpq) -> tuple[Rows, Rows, bool] | None:
         if not self.is_exact:
