@@ -29,9 +29,9 @@ SMALL, LARGE = 2.0**-4, 2.0**24
 """Scenes between these sizes are left as they are."""
 FAR = 2.0**6
 """Sizes of the smaller body from the origin beyond which a scene is shifted."""
+FIFTHS = np.linspace(0.0, 1.0, 5)
 Corners = tuple[np.ndarray, np.ndarray]
 Search: TypeAlias = "Callable[[Any, Any, float, Box | None], CurveFields]"
-
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,15 @@ class Rescaling:
         return points / to_double(self.factor) - [to_double(d) for d in self.by]
 
 
-def searched(search: Search, p: Shape, q: Shape, tolerance: float, box: Box | None) -> CurveFields:
-    """The fields of IntersectionCurve that `search(p, q, tolerance, box)` finds of the scene in a better place."""
-    placing = _placing((p, q))
+def searched(
+    search: Search, p: Shape, q: Shape, tolerance: float, box: Box | None,
+    corners_of: Callable[[Any], Corners] | None = None,
+) -> CurveFields:  # fmt: skip
+    """The fields of IntersectionCurve that `search(p, q, tolerance, box)` finds of the scene in a better place.
+
+    corners_of: where a body is, if the search works that out anyway.
+    """
+    placing = _placing([(corners_of or corners_of_points)(body) for body in (p, q)])
     if placing is None:
         return search(p, q, tolerance, box)
     own_box = None if box is None else placing.box(box)
@@ -66,9 +72,8 @@ def searched(search: Search, p: Shape, q: Shape, tolerance: float, box: Box | No
     return restored(fields, placing, box)
 
 
-def _placing(bodies: Sequence[Shape]) -> Rescaling | None:
+def _placing(corners: Sequence[Corners]) -> Rescaling | None:
     """None where the scene stays as it is."""
-    corners = [_corners(body) for body in bodies]
     by = _shift(corners)
     moved = [to_double(d) for d in by]
     reach = [np.abs(np.array(own) + moved).max() for own in corners if np.isfinite(own).all()]
@@ -86,7 +91,7 @@ def _shift(corners: Sequence[Corners]) -> Vector:
     return to_origin(middle.tolist(), size)
 
 
-def _corners(body: Shape) -> Corners:
+def corners_of_points(body: Shape) -> Corners:
     """Of a box around some points of the directrices, none at infinity, or around a solid; infinite where unknown."""
     if not hasattr(body, "pieces"):
         low, high = body.bounds()
@@ -102,13 +107,11 @@ def _points(piece: Any) -> np.ndarray:
     at = ALL_AROUND
     if piece.u is not None:
         low, high = (float(u) for u in piece.u)
-        at = np.linspace(low, high, 5), np.zeros(5, bool)
-    powers, found = Powers(*at), []
-    for curve in (rows(side.components) for side in piece.sides):
-        x, y, z, w = curve @ powers.table(curve.shape[1] - 1)
-        with np.errstate(all="ignore"):
-            found.append(np.array([x / w, y / w, z / w]))
-    points = np.concatenate(found, axis=1)
+        at = low + (high - low) * FIFTHS, np.zeros(len(FIFTHS), bool)
+    curves = rows([component for side in piece.sides for component in side.components])
+    sides = (curves @ Powers(*at).table(curves.shape[1] - 1)).reshape(2, 4, -1)
+    with np.errstate(all="ignore"):
+        points = np.concatenate(list(sides[:, :3] / sides[:, 3:]), axis=1)
     finite: np.ndarray = points[:, np.isfinite(points).all(axis=0)]
     return finite
 

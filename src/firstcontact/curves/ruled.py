@@ -12,6 +12,7 @@ from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.contact.signs.pieces import RulingPiece
 from firstcontact.curves.certified.certified_curve import certified_curve, is_supported
+from firstcontact.curves.certified.chains import chain_corners
 from firstcontact.curves.certified.settled import BEARABLE
 from firstcontact.curves.exactly.intersection import intersection
 from firstcontact.curves.exactly.spots import Box, box_of, corners
@@ -40,7 +41,9 @@ def curve(
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown to intersection_curve; choose one of {', '.join(METHODS)}")
     limits = box_of(box)
-    fields = searched(partial(_fields, method=method), p, q, tolerance, limits)
+    chained = takes_kernels(p, q, method, limits) and all(x.bounded and is_supported(x) for x in (p, q))
+    corners_of = chain_corners if chained else None
+    fields = searched(partial(_fields, method=method), p, q, tolerance, limits, corners_of)
     fields = {"box": corners(limits)} | fields
     stats = fields.pop("stats", Stats())
     return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import comb
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
 MOST_UNEVEN = 2**100
 # Largest degree along the curves: its pieces are cut out in seconds, ten times as many would take hours.
 MOST_DEGREE = 100
+MOST = 2.0**150
 Point = tuple[fmpq, fmpq, fmpq, fmpq]
 """(w x, w y, w z, w)."""
 
@@ -60,34 +60,21 @@ def patches(
 
 
 def _curve(controls: Sequence[Point], knots: Sequence[fmpq], n: int, k: int) -> RationalCurve:
-    """The curve between the knots number k and k + 1, in the spline's own parameter.
-
-    Its Bezier point i is the polar form at lo (n - i times) and hi (i times): what knot insertion leads to.
-    """
-    lo, hi = knots[k], knots[k + 1]
-    bezier = [_polar(controls, knots, n, k, [lo] * (n - i) + [hi] * i) for i in range(n + 1)]
-    x = fmpq_poly([-lo, 1]) / (hi - lo)
-    y = fmpq_poly([hi, -1]) / (hi - lo)
-    basis = [comb(n, i) * x**i * y ** (n - i) for i in range(n + 1)]
-    rows = [sum((b * p[c] for b, p in zip(basis, bezier, strict=True)), fmpq_poly([0])) for c in range(4)]
+    """The curve between knots k and k + 1 in the spline's own parameter: de Boor's steps, on polynomials."""
+    points = [[fmpq_poly([x]) for x in p] for p in controls[k - n : k + 1]]
+    for step in range(1, n + 1):
+        # points[i] belongs to the knots from k - n + step + i on
+        ends = [(knots[k - n + step + i], knots[k + 1 + i]) for i in range(n + 1 - step)]
+        blends = [fmpq_poly([-left, 1]) / (right - left) for left, right in ends]
+        points = [
+            [p if p == q else p + a * (q - p) for p, q in zip(before, after, strict=True)]
+            for a, before, after in zip(blends, points, points[1:], strict=False)
+        ]
+    (rows,) = points
     scale = fmpz(1)
     for row in rows:
         scale = scale.lcm(row.denom())
     return RationalCurve.of([(row * scale).numer() for row in rows])
-
-
-def _polar(controls: Sequence[Point], knots: Sequence[fmpq], n: int, k: int, arguments: list[fmpq]) -> Point:
-    """The polar form of the spline's polynomial between knots k and k + 1: de Boor's steps, one argument each."""
-    points = list(controls[k - n : k + 1])
-    for step, u in enumerate(arguments, start=1):
-        # points[i] belongs to the knots from k - n + step + i on
-        following = []
-        for i in range(n + 1 - step):
-            left, right = knots[k - n + step + i], knots[k + 1 + i]
-            a = (u - left) / (right - left)
-            following.append(tuple((1 - a) * p + a * q for p, q in zip(points[i], points[i + 1], strict=True)))
-        points = following  # type: ignore[assignment]
-    return points[0]
 
 
 def _point(curve: RationalCurve, u: fmpq) -> list[fmpq]:
@@ -142,8 +129,7 @@ def _grid(points: Any, who: str) -> list[list[tuple[fmpq, ...]]]:
         for j, p in enumerate(row):
             if not np.iterable(p) or isinstance(p, str) or len(list(p)) != 3:
                 raise InputError(f"{who}: points[{i}][{j}] is {p!r}; give three numbers")
-        grid.append([tuple(_number(x, f"{who}: points[{i}][{j}][{k}]") for k, x in enumerate(p))
-                     for j, p in enumerate(row)])  # fmt: skip
+        grid.append([tuple(_number(x, who, "points", i, j, k) for k, x in enumerate(p)) for j, p in enumerate(row)])
     return grid
 
 
@@ -151,7 +137,7 @@ def _weights(weights: Any, rows: list[list[Any]], who: str) -> list[list[fmpq]]:
     if weights is None:
         return [[fmpq(1)] * len(row) for row in rows]
     try:
-        found = [[_number(w, f"{who}: weights[{i}][{j}]") for j, w in enumerate(x)] for i, x in enumerate(weights)]
+        found = [[_number(w, who, "weights", i, j) for j, w in enumerate(x)] for i, x in enumerate(weights)]
     except TypeError as error:
         raise InputError(f"{who}: weights are {weights!r}; give one for each control point") from error
     if [len(row) for row in found] != [len(row) for row in rows]:
@@ -179,7 +165,7 @@ def _knot_vectors(knots: Any, shape: tuple[int, int], degree: Any, who: str) -> 
         pair = list(knots)
         if len(pair) != 2:
             raise InputError(f"{who}: knots are {len(pair)} lists; give those along the curves, or two lists")
-        return [[_number(x, f"{who}: knots[{k}][{i}]") for i, x in enumerate(v)] for k, v in enumerate(pair)]
+        return [[_number(x, who, "knots", k, i) for i, x in enumerate(v)] for k, v in enumerate(pair)]
     along = _along([2, 1] if degree is None or isinstance(degree, int) else [*degree], shape)
     if shape[1 - along] != 2:
         raise InputError(f"{who}: {shape[0]} x {shape[1]} points; give two rows of them, or both lists of knots")
@@ -188,7 +174,7 @@ def _knot_vectors(knots: Any, shape: tuple[int, int], degree: Any, who: str) -> 
     elif isinstance(knots, str) or not np.iterable(knots):
         raise InputError(f"{who}: knots are {knots!r}; give a list of numbers")
     else:
-        given = [_number(x, f"{who}: knots[{i}]") for i, x in enumerate(knots)]
+        given = [_number(x, who, "knots", i) for i, x in enumerate(knots)]
     line = [fmpq(0), fmpq(0), fmpq(1), fmpq(1)]
     return [given, line] if along == 0 else [line, given]
 
@@ -207,7 +193,10 @@ def _check_knots(knots: list[fmpq], n: int, count: int, who: str) -> None:
         raise InputError(f"{who}: all knots of the curves are {knots[n]}; give at least two different ones")
 
 
-def _number(x: Given, what: str) -> fmpq:
+def _number(x: Given, who: str, name: str, *at: int) -> fmpq:
+    if type(x) is float and abs(x) < MOST:  # a text of its place takes as long as the number
+        return fmpq(*x.as_integer_ratio())
+    what = f"{who}: {name}{''.join(f'[{k}]' for k in at)}"
     value = rational(x, what)
     if abs(value) >= LARGEST:
         raise InputError(f"{what} is {shown(x)}; give a number below 2^150")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.ruled.rational_curve import terms
 from firstcontact.exact.fields.roots import AlgebraicRoot, reversed_polynomial
 from firstcontact.exact.numbers import dyadic, fraction, precision, rational
@@ -24,6 +25,7 @@ Inequality = Mapping[tuple[int, int], int]
 """sum c[i, j] u^i s^j >= 0."""
 
 P = TypeVar("P", fmpz_poly, fmpz_mpoly)
+_PIECE = Kept["RulingPiece"]()
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,11 @@ class RulingPiece:
 
     @classmethod
     def of(cls, surface: RuledSurface) -> RulingPiece:
-        """That of a RuledSurface at rest."""
+        """That of a RuledSurface at rest, kept on it."""
+        return _PIECE.of(surface, lambda: cls._of(surface))
+
+    @classmethod
+    def _of(cls, surface: RuledSurface) -> RulingPiece:
         first, second = (side.components for side in surface.sides)
         s = (fmpq(0), fmpq(1)) if surface.s is None else _ends(surface.s)
         trim = tuple(g for t in surface.trim if (g := _substituted(terms(t.polynomial), s)))

@@ -183,7 +183,7 @@ def _with_cusps(
 ) -> tuple[list[JoinedStrand], list[np.ndarray]]:
     """The strands with rows at their cusps, and these points; exact strands know theirs."""
     cusps: list[np.ndarray] = []
-    for own, other, order in ((p, q, [0, 1, 2, 3]), (q, p, [1, 0, 3, 2])):
+    for own, other, order in ((p, q, [0, 1, 2, 3]), (q, p, [1, 0, 3, 2])) if strands else ():
         edged = with_edges(own)
         for n, strand in enumerate(strands):
             parameters = strand.parameters[:, order]

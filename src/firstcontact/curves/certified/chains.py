@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import comb, lcm
 from operator import mul
@@ -17,6 +17,7 @@ from flint import fmpq
 from firstcontact.body.kept import Kept
 from firstcontact.body.ruled.joints import share_ruling
 from firstcontact.body.ruled.surface import RuledSurface
+from firstcontact.curves.certified.regular import irregular_parts
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.kernels.curves import nets
 
@@ -64,6 +65,15 @@ class Chain:
     def has_knots(self) -> bool:
         """Whether a piece goes on in another one, or in itself."""
         return len(self.pieces) > 1 or (self.closed and self.u is not None)
+
+    @cached_property
+    def irregular(self) -> np.ndarray:
+        """Numbers of the parts that may have singular points."""
+        return irregular_parts(self)
+
+    def is_regular(self, k: int) -> bool:
+        """Whether doubles show that piece k has a tangent plane everywhere: no apex, no edge of regression."""
+        return k not in self.piece_of[self.irregular]
 
     def knots(self, k: int) -> list[Fraction]:
         """The ends of the range of piece k at which another goes on."""
@@ -137,6 +147,12 @@ _CHAINS = Kept[list[Chain]]()
 def chains(surface: Ruled) -> list[Chain]:
     """Those of a RuledSurface or RuledStrip at rest, with bounded rulings and without trimming."""
     return _CHAINS.of(surface, lambda: [_chain(run) for run in _runs(surface.pieces)])
+
+
+def chain_corners(surface: Ruled) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest ones of the boxes of its chains."""
+    boxes = np.array([chain.box for chain in chains(surface)])
+    return boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
 
 
 def _runs(pieces: Sequence[RuledSurface]) -> Iterator[list[RuledSurface]]:

@@ -40,9 +40,9 @@ class Directrices(NamedTuple):
 def with_edges(chain: Chain) -> list[RuledSurface]:
     """The developable pieces with an edge of regression."""
     if any(_HAS_EDGE.get(piece) is None for piece in chain.pieces):
-        flat = _may_be_flat(chain)
+        flat = _may_be_flat(chain) if len(chain.irregular) else []
         for k, piece in enumerate(chain.pieces):
-            _HAS_EDGE.put(piece, k in flat and _has_edge(piece))
+            _HAS_EDGE.put(piece, k in flat and not chain.is_regular(k) and _has_edge(piece))
     return [piece for piece in chain.pieces if _HAS_EDGE.get(piece)]
 
 

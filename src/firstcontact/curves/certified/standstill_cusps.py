@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from itertools import combinations
 from math import comb
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -19,12 +18,13 @@ from numpy.polynomial.polynomial import polyder, polyval
 
 from firstcontact.body.kept import Kept
 from firstcontact.contact.signs.pieces import RulingPiece
-from firstcontact.curves.certified.chains import Chain, product_table
+from firstcontact.curves.certified.chains import Chain
+from firstcontact.curves.certified.regular import chain_lines, product
 from firstcontact.curves.exactly.cusps import singular_points, stationary_rulings, torsal_rulings
 from firstcontact.curves.exactly.tracing import Powers, Surfaces, rows
 from firstcontact.exact.fields.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.numbers import precision
-from firstcontact.pairs.ruled_ruled import DUAL, PAIRS
+from firstcontact.pairs.ruled_ruled import DUAL
 
 if TYPE_CHECKING:
     from firstcontact.body.ruled.surface import RuledSurface
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 _TORSAL = Kept[list["Special"]]()
 _LIKELY = Kept[list["Likely"]]()
 """Torsal rulings of a piece, exactly, and as far as doubles tell."""
+MINORS = np.triu_indices(6, 1)
 UNIT = fmpq(-1), fmpq(1)
 # Coefficients that are not told from zero, in parts of what they are made of; how far from the real axis and beyond a
 # part doubles may put a root; degrees above which they find none; room beside the ends of rulings.
@@ -113,9 +114,13 @@ def _singular_point(lines: Rulings, root: AlgebraicRoot) -> np.ndarray:
 
 def _look_for(chain: Chain) -> None:
     """Tell all pieces of a chain what torsal rulings they may have, with points between their ends, on the way."""
-    lines = _lines(chain)
+    if not len(irregular := chain.irregular):
+        for piece in chain.pieces:
+            _LIKELY.put(piece, [])
+        return
+    lines = chain_lines(chain)[irregular]
     slopes = np.diff(lines, axis=2)
-    torsal = _product(slopes[:, :3], slopes[:, :2:-1])
+    torsal = product(slopes[:, :3], slopes[:, :2:-1])
     torsal = torsal[:, 0] - torsal[:, 1] + torsal[:, 2]
     near = ZERO * np.abs(slopes).max(2).max(1) ** 2
     flat = np.abs(torsal).max(1) <= near
@@ -123,42 +128,21 @@ def _look_for(chain: Chain) -> None:
     if flat.any():
         flat[flat] = _may_stand_still(lines[flat], slopes[flat])
     likely: list[list[Likely]] = [[] for _ in chain.pieces]
-    for part in np.flatnonzero(flat | mixed).tolist():
+    for n in np.flatnonzero(flat | mixed).tolist():
+        part = int(irregular[n])
         k = int(chain.piece_of[part])
-        if flat[part] or chain.pieces[k].u is None or torsal.shape[1] > MOST_DEGREE:
+        if flat[n] or chain.pieces[k].u is None or torsal.shape[1] > MOST_DEGREE:
             likely[k].append(Likely(None, None))
         else:
-            likely[k] += _likely(chain, part, torsal[part])
+            likely[k] += _likely(chain, part, torsal[n])
     for piece, own in zip(chain.pieces, likely, strict=True):
         _LIKELY.put(piece, own)
 
 
-def _lines(chain: Chain) -> np.ndarray:
-    """(parts, 6, m): Bernstein coefficients of l, about the middle of the chain."""
-    ends = chain.points.copy()
-    for k in (0, 4):
-        ends[:, k : k + 3] -= chain.box.mean(0)[:, None] * ends[:, k + 3 : k + 4]
-    i, j = np.array(PAIRS).T
-    return _product(ends[:, i], ends[:, 4 + j]) - _product(ends[:, j], ends[:, 4 + i])
-
-
-def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of polynomials of one degree in Bernstein form, along the last axis."""
-    n = a.shape[-1] - 1
-    found = np.zeros((*a.shape[:-1], 2 * n + 1))
-    for k, row in enumerate(product_table(n)):
-        found[..., k : k + n + 1] += a[..., k : k + 1] * b * row
-    return found
-
-
 def _may_stand_still(lines: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """(parts,): False where a minor of l and l' has one sign."""
-    # the slopes as of one degree more
-    n = slopes.shape[2]
-    share, padded = np.arange(n + 1) / n, np.pad(slopes, ((0, 0), (0, 0), (1, 1)))
-    raised = share * padded[:, :, :-1] + (1.0 - share) * padded[:, :, 1:]
-    i, j = np.array(list(combinations(range(6), 2))).T
-    minors = _product(lines[:, i], raised[:, j]) - _product(lines[:, j], raised[:, i])
+    products = product(lines[:, :, None], slopes[:, None])
+    minors = (products - products.swapaxes(1, 2))[:, *MINORS]
     near = ZERO * (np.abs(lines).max(2).max(1) * np.abs(slopes).max(2).max(1))[:, None]
     return ((minors.min(2) <= near) & (minors.max(2) >= -near)).all(1)  # type: ignore[no-any-return]
 

@@ -87,10 +87,11 @@ class ApexRulings:
         """Finite parameters of rulings through the apex of the other piece, where that has one and not all pass it."""
         key = side, i, j
         if key not in self._known:
-            own, other = (RulingPiece.of(self.chains[k].pieces[(i, j)[k]]).rulings for k in (side, 1 - side))
             self._known[key] = []
-            if other.apex is not None and other.apex[3] != 0:
-                self._known[key] = all_real_roots(rulings_through(own, other.apex))
+            if not self.chains[1 - side].is_regular((i, j)[1 - side]):
+                own, other = (RulingPiece.of(self.chains[k].pieces[(i, j)[k]]).rulings for k in (side, 1 - side))
+                if other.apex is not None and other.apex[3] != 0:
+                    self._known[key] = all_real_roots(rulings_through(own, other.apex))
         return self._known[key]
 
 

@@ -120,9 +120,9 @@ def matrix(f: fmpz_mpoly) -> np.ndarray:
 
 def rows(curve: Sequence[fmpz_poly]) -> np.ndarray:
     """(k, degree + 1) doubles, scaled by the largest coefficient."""
-    degree = max(c.degree() for c in curve)
-    largest = max(abs(int(x)) for c in curve for x in c.coeffs())
-    return np.array([[int(c[i]) / largest for i in range(degree + 1)] for c in curve])
+    found = [[int(x) for x in c.coeffs()] for c in curve]
+    largest, width = max(abs(x) for row in found for x in row), max(map(len, found))
+    return np.array([[x / largest for x in row] + [0.0] * (width - len(row)) for row in found])
 
 
 def sizes(curves: Sequence[np.ndarray], at: Powers) -> np.ndarray:
