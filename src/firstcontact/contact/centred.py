@@ -89,15 +89,15 @@ def _shift(query: Query, far: float) -> Vector | None:
 
 def _place(shape: Shape, query: Query) -> _Place:
     def found() -> _Place:
-        ruled: Any = shape
-        lo, hi = _seen(ruled, query.span) if deforms else shape.bounds(query.span)
+        own: Any = shape
+        lo, hi = shape.bounds(query.span) if deforms is None else _seen(own, query.span if deforms else (0.0, 0.0))
         size = float((hi - lo).max())
         if not 0.0 < size < math.inf:  # points, and what has no end, tell no size
             return math.inf, (0.0, 0.0, 0.0), 0.0
         middle = 0.5 * (lo + hi)
         return size, tuple(middle.tolist()), float(np.abs(middle).max())
 
-    deforms = getattr(shape, "deforming", False)
+    deforms = getattr(shape, "deforming", None)  # known of ruled surfaces
     return found() if deforms else _PLACE.of(shape, found)
 
 
@@ -105,7 +105,7 @@ def _seen(shape: RuledSurface | RuledStrip, span: tuple[float, float]) -> tuple[
     """Corners of a box of some places of a surface: its place need not be known closely."""
     if not shape.bounded:
         return -_FAR_AWAY, _FAR_AWAY
-    times = np.linspace(*span, 3)
+    times = np.linspace(*span, 3 if span[0] < span[1] else 1)
     points: list[np.ndarray] = []
     for piece in shape.pieces:
         first, last = (-1.0, 1.0) if piece.u is None else map(float, piece.u)

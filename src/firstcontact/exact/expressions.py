@@ -134,7 +134,7 @@ class _Parser:
                 return x * y.inverse()
 
     def _number(self, node: ast.Constant) -> Ratio:
-        digits = ast.get_source_segment(self.text, node) or ""
+        digits = self._source(node)
         if not _NUMBER.fullmatch(digits):
             raise self._fault(node, "write numbers as 2, 0.5 or 1e-3")
         value = Fraction(digits)
@@ -161,8 +161,11 @@ class _Parser:
         return x
 
     def _fault(self, node: ast.expr, cure: str) -> InputError:
-        part = ast.get_source_segment(self.text, node) or ""
-        return InputError(f"{self.what} {_shown(self.text)}: cannot take {_shown(part)}; {cure}")
+        return InputError(f"{self.what} {_shown(self.text)}: cannot take {_shown(self._source(node))}; {cure}")
+
+    def _source(self, node: ast.expr) -> str:
+        """What a node was parsed from: the text is one line, of ASCII."""
+        return self.text[node.col_offset : node.end_col_offset]
 
 
 def _parsed(text: str, what: str) -> tuple[str, ast.expr]:

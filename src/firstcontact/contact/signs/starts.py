@@ -29,9 +29,10 @@ def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstCo
     """What `answer` says of the query, and where it leaves the start open, of the bodies at rest in their poses then.
 
     Exact arithmetic is asked of those first: two bodies at rest take it little beside a motion, whose times of contact
-    it would have to tell all.  UNDECIDED remains where they are apart: nothing is proved of the times after the start.
+    it would have to tell all; surfaces that deform in their own places take it no more.  UNDECIDED remains where they
+    are apart: nothing is proved of the times after the start.
     """
-    moves = query.end > query.first or any(isinstance(body, Moving) for body in query.bodies)
+    moves = any(isinstance(body, Moving) for body in query.bodies)
     if query.is_algebraic and query.budget is None and moves:
         told = _of_start(query, answer)
         return answer(query) if told is None else told

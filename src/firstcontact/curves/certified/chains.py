@@ -132,13 +132,13 @@ class Chain:
         with np.errstate(divide="ignore"):
             return upper / lower
 
-    def ruling(self, part: int, x: float) -> np.ndarray:
-        """(2, 3) its ends at x of a part."""
-        rows = self.points[part]
-        while rows.shape[1] > 1:
-            rows = (1 - x) * rows[:, :-1] + x * rows[:, 1:]
-        first, second = rows[:4, 0], rows[4:, 0]
-        return np.array([first[:3] / first[3], second[:3] / second[3]])
+    def rulings(self, parts: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """(n, 2, 3) their ends at x of parts."""
+        rows, at = self.points[parts], x[:, None, None]
+        while rows.shape[2] > 1:
+            rows = (1 - at) * rows[:, :, :-1] + at * rows[:, :, 1:]
+        sides = rows.reshape(-1, 2, 4)
+        return sides[:, :, :3] / sides[:, :, 3:]  # type: ignore[no-any-return]
 
 
 _CHAINS = Kept[list[Chain]]()

@@ -42,7 +42,7 @@ def open_boxes(found: SearchedChains | Solved, stray: list[int], at_bounds: list
     here[here] = [bool((np.abs(known - x).max(1) <= SAME_POINT).any()) for x in at[here]]
     here[len(here) - len(beside) :] = False
     thin = ((ranges[:, 0] == ranges[:, 1]) | (ranges[:, 2] == ranges[:, 3])) & ~here
-    here[thin] = [_clearly_beyond(found, *x) for x in zip(parts[thin], ranges[thin], strict=True)]
+    here[thin] = _clearly_beyond(found, parts[thin], ranges[thin])
     return parts[~here], ranges[~here]
 
 
@@ -59,19 +59,19 @@ def _crossings_side_by_side(found: SearchedChains | Solved) -> list[int]:
     return sorted({k for pair in beside for k in pair})
 
 
-def _clearly_beyond(found: SearchedChains | Solved, parts: np.ndarray, ranges: np.ndarray) -> bool:
-    """Whether rulings of a short part of a line cross well beyond an end of one; the cells beside it are decided."""
-    length = max(ranges[1] - ranges[0], ranges[3] - ranges[2])
-    if length > SAME_PLACE:
-        return False
-    p, q = found.p.ruling(int(parts[0]), ranges[:2].mean()), found.q.ruling(int(parts[1]), ranges[2:].mean())
-    along, other = p[1] - p[0], q[1] - q[0]
+def _clearly_beyond(found: SearchedChains | Solved, parts: np.ndarray, ranges: np.ndarray) -> np.ndarray:
+    """Whether rulings of short parts of lines cross well beyond an end of one; the cells beside them are decided."""
+    length = np.maximum(ranges[:, 1] - ranges[:, 0], ranges[:, 3] - ranges[:, 2])
+    beyond = length <= SAME_PLACE
+    p, q = _middle_rulings(found, parts[beyond], ranges[beyond])
+    along, other, gap = p[:, 1] - p[:, 0], q[:, 1] - q[:, 0], q[:, 0] - p[:, 0]
     normal = np.cross(along, other)
-    size = normal @ normal
-    if size <= 1e-6 * (along @ along) * (other @ other):
-        return False
-    s, t = (float(np.cross(q[0] - p[0], x) @ normal / size) for x in (other, along))
-    return max(-s, s - 1, -t, t - 1) > (1e-2 if length else 1e-6)
+    size = (normal**2).sum(1)
+    with np.errstate(all="ignore"):
+        s, t = ((np.cross(gap, x) * normal).sum(1) / size for x in (other, along))
+        off = np.max([-s, s - 1, -t, t - 1], axis=0) > np.where(length[beyond] > 0.0, 1e-2, 1e-6)
+    beyond[beyond] = off & (size > 1e-6 * (along**2).sum(1) * (other**2).sum(1))
+    return beyond
 
 
 def touching(parts: np.ndarray, ranges: np.ndarray) -> list[np.ndarray]:
@@ -108,10 +108,18 @@ def open_place(found: SearchedChains | Solved, parts: np.ndarray, ranges: np.nda
         which = parts[:, side].astype(int)
         u = np.concatenate([chain.parameter(which, ranges[:, 2 * side + end]) for end in (0, 1)])
         own.append((float(u.min()), float(u.max())))
-    k = len(parts) // 2
-    ends = [chain.ruling(int(parts[k, side]), ranges[k, 2 * side : 2 * side + 2].mean())
-            for side, chain in enumerate((found.p, found.q))]  # fmt: skip
+    middle = slice(len(parts) // 2, len(parts) // 2 + 1)
+    ends = (own[0] for own in _middle_rulings(found, parts[middle], ranges[middle]))
     return OpenPlace(_nearest_point(*ends), own[0], own[1], 0)
+
+
+def _middle_rulings(
+    found: SearchedChains | Solved, parts: np.ndarray, ranges: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 2, 3) the ends of those of both chains in the middle of boxes."""
+    p, q = (chain.rulings(parts[:, k].astype(int), ranges[:, 2 * k : 2 * k + 2].mean(axis=1))
+            for k, chain in enumerate((found.p, found.q)))  # fmt: skip
+    return p, q
 
 
 def _nearest_point(p: np.ndarray, q: np.ndarray) -> np.ndarray:
