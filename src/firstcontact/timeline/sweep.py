@@ -172,6 +172,8 @@ class TimeSweep(Generic[W]):
         self.touches_at_start = touches_at_start
         self.intervals: list[Certified] = []
         self.start: tuple[float, float] | None = None
+        self.loose: tuple[float, float] | None = None
+        """When contact begins, or ends if `start` is told, if the window before and this one both hold that time."""
         self.turns = 0
         self.reached = parts[0].first
         self.looked, self.pace, self.slowly = self.reached, 0.0, 0
@@ -191,13 +193,27 @@ class TimeSweep(Generic[W]):
         last = self.windows[-1].last
         if reason is None:
             self.reached = last
+        if self.start is None and self.loose is not None:
+            self.intervals.append(Certified(self.loose, self.loose))
         if self.start is not None:
             self._close((self.reached, last), reason is not None)
         return Found(tuple(self.intervals), self.reached, reason)
 
+    def _begin(self, start: tuple[float, float]) -> None:
+        """Contact begins."""
+        loose, self.loose = self.loose, None
+        if loose is not None and start[0] > loose[1]:  # it began before, and ended
+            self.intervals.append(Certified(loose, loose))
+            loose = None
+        self.start = start if loose is None else (min(loose[0], start[0]), start[1])
+        self.turns = 0
+
     def _close(self, end: tuple[float, float], open: bool = False) -> None:
         assert self.start is not None
         start, self.start = self.start, None
+        loose, self.loose = self.loose, None
+        if loose is not None and end[0] <= loose[1]:
+            end = min(loose[0], end[0]), end[1]
         joined = self.intervals[-1] if self.intervals else None
         if joined is not None and start[1] <= joined.end[0]:  # from one window to the next
             self.intervals[-1] = replace(joined, end=end, open=open)
@@ -217,14 +233,12 @@ class TimeSweep(Generic[W]):
         t, self.turns = window.first, 0
         self._step()
         if self.free.at(window, t):
-            if self.start is not None:  # the pose jumps
-                self._close((t, t))
+            self._apart_at_start(t)
             point = None
         else:
             try:
                 point = self._at_start(window, point, is_first)
-                if self.start is None:
-                    self.start = t, t
+                self._together_at_start(t)
             except Unproved:
                 t, point = self._finer_start(window)
         while t < window.last:
@@ -256,11 +270,29 @@ class TimeSweep(Generic[W]):
         if found is None:
             raise Unproved(t)
         first = found.passage.stretches[0]
-        if not first.contact and self.start is not None:
-            self._close((t, t))
-        elif first.contact and self.start is None and first.lo == exact_value(t):
-            self.start = t, t
+        if not first.contact:
+            self._apart_at_start(t)
+        elif first.lo == exact_value(t):
+            self._together_at_start(t)
         return self._finer(window, t)
+
+    def _apart_at_start(self, t: float) -> None:
+        """The bodies are apart at t, the start of a window, which the one before ends a little after."""
+        if self.start is not None and self.start[1] > t:
+            self.loose, self.start = self.start, None
+        elif self.start is not None:
+            self._close((t, t))
+
+    def _together_at_start(self, t: float) -> None:
+        """As `_apart_at_start`, in contact at t."""
+        if self.start is not None:
+            return
+        last = self.intervals[-1] if self.intervals else None
+        if last is not None and last.end[1] >= t:
+            self.intervals.pop()
+            self.start, self.loose = last.start, last.end
+        else:
+            self._begin((t, t))
 
     def _finer(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
         """As `_enter` or `_leave`, by a passage from t on.  May raise Open."""
@@ -279,10 +311,10 @@ class TimeSweep(Generic[W]):
                     raise Unproved(event[0])
                 if not after.contact:
                     at = below(found.instant), above(found.instant)
-                    self.start = event[0], at[1]
+                    self._begin((event[0], at[1]))
                     self._close((at[0], event[1]))
             elif after.contact:
-                self.start, self.turns = event, 0
+                self._begin(event)
             else:
                 self._close(event)
         return until, found.point
@@ -305,11 +337,11 @@ class TimeSweep(Generic[W]):
         self.reached = found.lo
         if not found.sure:
             return self._finer(window, found.lo)
-        self.start, self.turns = (found.lo, found.hi), 0
+        self._begin((found.lo, found.hi))
         if found.at is None:
             raise Unproved(found.hi)
         if found.point is None:
-            self._close(self.start)
+            self._close((found.lo, found.hi))
         return found.at, found.point
 
     def touch(self, window: W, t: float, end: float) -> FirstTouch | None:
