@@ -136,8 +136,8 @@ def test_solids(case):
 
 
 def test_what_no_proof_tells_is_undecided():
-    """The ball slides down along a slope that is no plane of the motion, and stays in contact at one point."""
-    along = fc.RationalMotion([np.eye(4), [[0, 0, 0, 1], [0] * 4, [0] * 4, [0] * 4]])
+    """The ball slides along the floor, ever faster, and stays in contact at one point."""
+    along = fc.RationalMotion([np.eye(4), np.zeros((4, 4)), [[0, 0, 0, 1], [0] * 4, [0] * 4, [0] * 4]])
     hit = fc.first_new_contact(BALL.moving(along), FLAT)
     assert hit.status is Status.UNDECIDED and hit.reason == "contact" and hit.free_until == 0.0
 

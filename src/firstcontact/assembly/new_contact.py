@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from firstcontact import query
 from firstcontact.assembly.kept import step_ends
 from firstcontact.body.compound.compound import both_taken_in
+from firstcontact.contact.plain import plainly
 from firstcontact.contact.ways import tried
 from firstcontact.exact.numbers import exact_value, fraction, to_double
 from firstcontact.motion.moving import shape_of
@@ -155,11 +156,12 @@ def _after_touch(first: FirstContact, span: Sequence[Given] | None, arguments: A
     from firstcontact.contact.mesh_model import as_polyhedra  # loads what solids need
 
     asking = NewContactQuery(*common_span(first.a, first.b, span), arguments, first.initial is not None)
-    if as_polyhedra.are_taken(first.a, first.b):
-        meshes = as_polyhedra.as_polyhedron(first.a), as_polyhedra.as_polyhedron(first.b)
-        found = as_polyhedra.in_own_elements(_new_contact(*meshes, asking), first.a, first.b)
+    a, b = (plainly(body, asking.first, asking.last) for body in (first.a, first.b))
+    if as_polyhedra.are_taken(a, b):
+        meshes = as_polyhedra.as_polyhedron(a), as_polyhedra.as_polyhedron(b)
+        found = as_polyhedra.in_own_elements(_new_contact(*meshes, asking), a, b)
     else:
-        found = _new_contact(first.a, first.b, asking)
+        found = _new_contact(a, b, asking)
     work = first.stats + found.stats
     if first.initial is None and found.status is Status.UNDECIDED:  # they may as well overlap
         return replace(first, stats=work)

@@ -13,7 +13,7 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeVar, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact import centred, jumps, linked
+from firstcontact.contact import centred, jumps, linked, plain
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.span import refuse_late
@@ -128,12 +128,12 @@ def matrix() -> str:
 
 def first_contact(query: Query) -> FirstContact:
     """The answer of the room for the bodies."""
-    return linked.first(lambda own: _answer("first", own), query)
+    return linked.first(lambda own: plain.asked(lambda x: _answer("first", x), own), query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
-    return linked.intervals(lambda own: _answer("intervals", own), query)
+    return linked.intervals(lambda own: plain.asked(lambda x: _answer("intervals", x), own), query)
 
 
 def contact_pairs(query: Query) -> ContactPairs:

@@ -137,6 +137,14 @@ class RationalMotion(Motion):
             out += [[[to_double(x[i] / w) for x in row] for row in entries] for i, w in enumerate(weights)]
         return np.array(out)
 
+    def velocity(self) -> Vector | None:
+        """That of a body which the motion shifts evenly, in a pose that never turns; None of other motions."""
+        weight = self.pose[3][3]
+        if weight.degree() or any(x.degree() > (j == 3) for row in self.pose for j, x in enumerate(row)):
+            return None
+        x, y, z = (fmpq(int(row[3][1]), int(weight[0])) for row in self.pose[:3])
+        return x, y, z
+
     def shifted(self, by: Vector) -> RationalMotion:
         """The same motion in a world shifted by a vector."""
         moved = []

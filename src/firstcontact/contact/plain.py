@@ -1,0 +1,124 @@
+"""Motions that are plain over the span they are asked about: one shift, or the first step alone of several.
+
+A quaternion path between two poses of one orientation, a rational motion of the first degree that does not turn, steps
+that go on in one direction: what they do is a Translation, of the body in a rational pose; and a sequence is the
+Rotation or Screw that it begins with up to the end of that step.  Searches know more of these than of motions at large.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from flint import fmpq
+
+from firstcontact.body.kept import Kept
+from firstcontact.exact.rigid import IDENTITY, Matrix
+from firstcontact.exact.vectors import Vector, scaled
+from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.placement import HERE, advanced
+from firstcontact.motion.rational import RationalMotion
+from firstcontact.motion.relative.stretches import known_steps
+from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.sequence import Sequence
+from firstcontact.motion.steps import Step
+from firstcontact.motion.trajectory import Trajectory
+from firstcontact.motion.translation import Translation
+from firstcontact.result import ContactIntervals, FirstContact
+from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Shape
+    from firstcontact.motion.kinds import AnyMotion
+
+R = TypeVar("R", FirstContact, ContactIntervals)
+_OF_STEPS = RationalMotion, Sequence, Trajectory
+Course = tuple[Matrix, Vector]
+"""Where a body would be at time 0, and its velocity."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plain:
+    """A motion of bodies that stand in the pose `before` at time 0; one of its kind is made for each motion and span.
+    """
+
+    before: Matrix
+    motion: Translation | Rotation | Screw
+
+
+_PLACED = Kept[dict[Plain, Any]]()
+"""Shapes in the poses in which they set off."""
+
+
+def asked(answer: Callable[[Query], R], query: Query) -> R:
+    """What `answer` tells of the query, of bodies that move as plainly as they can be told to."""
+    a, b = (plainly(body, query.first, query.last) for body in query.bodies)
+    if a is query.a and b is query.b:
+        return answer(query)
+    return replace(answer(replace(query, a=a, b=b)), a=query.a, b=query.b)
+
+
+def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:
+    """The same over these times, moved by a Translation, Rotation or Screw; the body itself where it cannot be."""
+    if not isinstance(body, Moving) or not isinstance(body.motion, _OF_STEPS):
+        return body
+    end = () if last is None else (int(last.p), int(last.q))
+    plain = _plain(body.motion, int(first.p), int(first.q), *end)
+    return body if plain is None else Moving(_placed(shape_of(body), plain), plain.motion)
+
+
+@lru_cache(maxsize=128)
+def _plain(motion: AnyMotion, p: int, q: int, *end: int) -> Plain | None:
+    """From p / q on; whole numbers, since rationals take a microsecond to hash."""
+    first, last = fmpq(p, q), fmpq(*end) if end else None
+    steps = [x for x in known_steps(motion) if x.end is None or (first < x.end and (last is None or x.start < last))]
+    if (course := _course(steps)) is not None:
+        return Plain(course[0], Translation(course[1]))
+    turn = _turn(steps[0]) if len(steps) == 1 else None
+    return None if turn is None else Plain(IDENTITY, turn)
+
+
+def _course(steps: list[Step]) -> Course | None:
+    """That which all of the steps take; None where they do not go on in one direction."""
+    found: Course | None = None
+    for step in steps:
+        own = _of_step(step)
+        if own is None or (found is not None and own != found):
+            return None
+        found = own
+    return found
+
+
+def _of_step(step: Step) -> Course | None:
+    if isinstance(step.motion, Translation):
+        before, way = step.before, step.motion.vector
+    elif isinstance(step.motion, RationalMotion) and (told := step.motion.velocity()) is not None:
+        before, way = advanced(step.before, step.motion, fmpq(0)), told
+    else:
+        return None
+    speed = scaled(1 / step.unit, way)
+    at = before.shifted(scaled(-step.origin, speed))
+    return (at.matrix(), speed) if at.is_exact else None
+
+
+def _turn(step: Step) -> Rotation | Screw | None:
+    """The motion of a first step, told in the time of the whole."""
+    motion: Any = step.motion
+    if step.end is None or step.before != HERE or step.origin != 0 or not isinstance(motion, Rotation | Screw):
+        return None
+    angle = {motion.unit: motion.angle / step.unit}
+    if isinstance(motion, Screw):
+        return Screw(motion.axis, motion.point, **angle, advance=motion.advance / step.unit)
+    return Rotation(motion.axis, motion.point, **angle)
+
+
+def _placed(shape: Shape, plain: Plain) -> Any:
+    if plain.before == IDENTITY:
+        return shape
+    known = _PLACED.of(shape, dict)
+    if plain not in known:
+        known[plain] = HERE.then(plain.before).place(shape)
+    return known[plain]
