@@ -33,7 +33,7 @@ SHIFTS = {
     "a trajectory": fc.Trajectory([0, 1], [ONE, shifted(DOWN)]),
     "a trajectory in screws": fc.Trajectory([0, 1], [ONE, shifted(DOWN)], interpolation="screw"),
     "steps that go on": fc.Sequence([HALF, HALF]),
-    "uneven steps": fc.Sequence([fc.Translation((0, 0, F(-1, 2))), fc.Translation((0, 0, F(-3, 2)))], [F(1, 4), F(3, 4)]),
+    "uneven steps": fc.Sequence([fc.Translation((0, 0, z)) for z in (F(-1, 2), F(-3, 2))], [F(1, 4), F(3, 4)]),
 }
 
 

@@ -142,6 +142,25 @@ def test_what_no_proof_tells_is_undecided():
     assert hit.status is Status.UNDECIDED and hit.reason == "contact" and hit.free_until == 0.0
 
 
+@pytest.mark.parametrize("solid", (False, True))
+@pytest.mark.parametrize("degrees, time", ((80, None), (180, 0.5)))
+def test_blocks_that_share_their_hinge_alone(degrees, time, solid):
+    """Solids of planes were left open, where the same meshes were decided."""
+    turned = block((-2, -1, -2), (0, 1, 0), "a", solid).moving(turning(degrees))
+    hit = fc.first_new_contact(turned, block((0, -1, 0), (2, 1, 2), "b", solid))
+    assert (hit.time, hit.status) == (time, Status.FREE if time is None else Status.CONTACT)
+    if time is not None:
+        assert {hit.element_a.body, hit.element_b.body} == {"a", "b"}
+
+
+def test_solids_that_part_in_a_turn():
+    """A face moves away from another one, at speeds of 1 to 3 over its length."""
+    a = block((Fraction(3, 2), 0, -1), (Fraction(5, 2), 2, 0), solid=True)
+    turn = Rotation((0, 0, 1), (-2, -1, 0), degrees=-90)
+    hit = fc.first_new_contact(a.moving(turn), block((0.5, 1, -3), (1.5, 3, -1), solid=True))
+    assert hit.status is Status.FREE
+
+
 def test_a_start_later_than_the_motion_s_own():
     drawn = CUBE.moving(Translation((4, 0, 0)))
     assert fc.first_new_contact(drawn, FLOOR, ("1/8", 1)).status is Status.FREE

@@ -153,15 +153,12 @@ def _after_touch(first: FirstContact, span: Sequence[Given] | None, arguments: A
     """The first new contact, from the first contact on; that one where the bodies do not touch at the start."""
     if first.status is not Status.INITIAL_CONTACT or first.initial not in ("touching", None):
         return first
-    from firstcontact.contact.mesh_model import as_polyhedra  # loads what solids need
-
     asking = NewContactQuery(*common_span(first.a, first.b, span), arguments, first.initial is not None)
-    a, b = (plainly(body, asking.first, asking.last) for body in (first.a, first.b))
-    if as_polyhedra.are_taken(a, b):
-        meshes = as_polyhedra.as_polyhedron(a), as_polyhedra.as_polyhedron(b)
-        found = as_polyhedra.in_own_elements(_new_contact(*meshes, asking), a, b)
-    else:
-        found = _new_contact(a, b, asking)
+    found = _of_bodies(first.a, first.b, asking)
+    if found.reason == LASTING:
+        a, b = (plainly(body, asking.first, asking.last) for body in (first.a, first.b))
+        if a is not first.a or b is not first.b:
+            found = _of_bodies(a, b, asking)
     work = first.stats + found.stats
     if first.initial is None and found.status is Status.UNDECIDED:  # they may as well overlap
         return replace(first, stats=work)
@@ -169,6 +166,17 @@ def _after_touch(first: FirstContact, span: Sequence[Given] | None, arguments: A
         found, a=first.a, b=first.b, span=first.span, stats=work, allowed=TOUCHING, unit=first.unit,
         model_deviation=first.model_deviation,
     )  # fmt: skip
+
+
+def _of_bodies(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
+    """Solids of planes as what they are, then as meshes, of which more is proved."""
+    from firstcontact.contact.mesh_model import as_polyhedra  # loads what solids need
+
+    found = None if as_polyhedra.are_taken(a, b) else _new_contact(a, b, asking)
+    if found is None or (found.reason == LASTING and as_polyhedra.are_of_planes(a, b)):
+        meshes = as_polyhedra.as_polyhedron(a), as_polyhedra.as_polyhedron(b)
+        found = as_polyhedra.in_own_elements(_new_contact(*meshes, asking), a, b)
+    return found
 
 
 def _new_contact(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:

@@ -2,7 +2,7 @@
 
 A quaternion path between two poses of one orientation, a rational motion of the first degree that does not turn, steps
 that go on in one direction: what they do is a Translation, of the body in a rational pose; and a sequence is the
-Rotation or Screw that it begins with up to the end of that step.  Searches know more of these than of motions at large.
+Rotation or Screw that it begins with up to the end of that step.  More is proved of these than of motions at large.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.steps import Step
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
-from firstcontact.result import ContactIntervals, FirstContact
+from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
@@ -54,11 +54,17 @@ _PLACED = Kept[dict[Plain, Any]]()
 
 
 def asked(answer: Callable[[Query], R], query: Query) -> R:
-    """What `answer` tells of the query, of bodies that move as plainly as they can be told to."""
+    """What `answer` tells of the query, or where that is open of bodies that move as plainly as they can be told to."""
+    found = answer(query)
+    if found.status is not Status.UNDECIDED or query.is_spent(found.reason):
+        return found
     a, b = (plainly(body, query.first, query.last) for body in query.bodies)
     if a is query.a and b is query.b:
-        return answer(query)
-    return replace(answer(replace(query, a=a, b=b)), a=query.a, b=query.b)
+        return found
+    told = answer(replace(query, a=a, b=b, budget=query.budget_after(found.stats)))
+    if told.status is Status.UNDECIDED:
+        return found
+    return replace(told, a=query.a, b=query.b, stats=replace(found.stats + told.stats, seconds=query.stats().seconds))
 
 
 def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:

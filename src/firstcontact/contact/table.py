@@ -13,7 +13,7 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeVar, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact import centred, jumps, linked, plain
+from firstcontact.contact import centred, common_shift, jumps, linked, plain
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.span import refuse_late
@@ -163,7 +163,7 @@ def _answer(verb: str, query: Query) -> Any:
         raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")
     refuse_late((query.first, query.last))
     own = partial(getattr(centred, verb), getattr(_curved(kinds, query), verb))
-    near = partial(getattr(jumps, verb), own)
+    near = partial(getattr(jumps, verb), partial(common_shift.asked, own))
     if query.last is not None:
         return _said(near(query), query)
     from firstcontact.contact import endless
