@@ -11,7 +11,7 @@ from flint import fmpq, fmpq_poly, fmpz
 
 from firstcontact.body.ruled.rational_curve import RationalCurve
 from firstcontact.errors import InputError, shown
-from firstcontact.exact.numbers import rational
+from firstcontact.exact.numbers import rational, to_double
 from firstcontact.motion.translation import LARGEST
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 MOST_UNEVEN = 2**100
 # Largest degree along the curves: its pieces are cut out in seconds, ten times as many would take hours.
 MOST_DEGREE = 100
-MOST = 2.0**150
+MOST = to_double(LARGEST)
 Point = tuple[fmpq, fmpq, fmpq, fmpq]
 """(w x, w y, w z, w)."""
 

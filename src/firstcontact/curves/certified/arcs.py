@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firstcontact.curves.certified.chains import Chain, product_table
+from firstcontact.curves.certified.bernstein import product_table
+from firstcontact.curves.certified.chains import Chain
 from firstcontact.curves.certified.settled import Settled
 from firstcontact.curves.exactly.apex_rulings import ApexRulings
 from firstcontact.errors import InputError
@@ -140,7 +141,7 @@ def begun(chain: Chain, centre: np.ndarray, room: int) -> tuple[np.ndarray, np.n
     parts, _, terms = chain.points.shape
     side = np.empty((parts + room, nets.ROWS_OF_SIDE, max(2 * terms - 1, nets.LEAST_COLUMNS)))
     forms = np.empty((parts, 2, terms, nets.LINES))
-    nets.begin(chain.points, centre, product_table(terms - 1), side, forms)
+    nets.begin(chain.points, centre, product_table(terms - 1, terms - 1), side, forms)
     return side, forms
 
 

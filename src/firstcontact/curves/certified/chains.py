@@ -290,9 +290,3 @@ def _doubles(numbers: list[int], scale: int) -> list[float]:
     except OverflowError:
         scale <<= max(abs(x) for x in numbers).bit_length() - scale.bit_length()
         return [x / scale for x in numbers]
-
-
-@lru_cache(maxsize=64)
-def product_table(n: int) -> np.ndarray:
-    """(n + 1, n + 1): what coefficients a and b of two polynomials of degree n add to coefficient a + b of theirs."""
-    return np.array([[comb(n, a) * comb(n, b) / comb(2 * n, a + b) for b in range(n + 1)] for a in range(n + 1)])

@@ -6,12 +6,11 @@ normal, linear in s, is nowhere zero where its Bernstein coefficients are on one
 
 from __future__ import annotations
 
-from functools import lru_cache
-from math import comb
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from firstcontact.curves.certified.bernstein import product
 from firstcontact.pairs.ruled_ruled import PAIRS
 
 if TYPE_CHECKING:
@@ -54,20 +53,3 @@ def _about_middle(chain: Chain) -> np.ndarray:
 def _lines(ends: np.ndarray) -> np.ndarray:
     products = product(ends[:, :4, None], ends[:, None, 4:])
     return (products - products.swapaxes(1, 2))[:, *LINE]  # type: ignore[no-any-return]
-
-
-def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of polynomials in Bernstein form, along the last axis."""
-    pairs: np.ndarray = a[..., :, None] * b[..., None, :]
-    table = _gathering(*pairs.shape[-2:])
-    return pairs.reshape(*pairs.shape[:-2], len(table)) @ table
-
-
-@lru_cache(maxsize=64)
-def _gathering(m: int, n: int) -> np.ndarray:
-    """(m n, m + n - 1): what the product of two coefficients, of m and of n, adds to those of the product."""
-    table = np.zeros((m, n, m + n - 1))
-    for i in range(m):
-        for j in range(n):
-            table[i, j, i + j] = comb(m - 1, i) * comb(n - 1, j) / comb(m + n - 2, i + j)
-    return table.reshape(m * n, m + n - 1)

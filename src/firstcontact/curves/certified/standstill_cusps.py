@@ -18,8 +18,9 @@ from numpy.polynomial.polynomial import polyder, polyval
 
 from firstcontact.body.kept import Kept
 from firstcontact.contact.signs.pieces import RulingPiece
+from firstcontact.curves.certified.bernstein import product
 from firstcontact.curves.certified.chains import Chain
-from firstcontact.curves.certified.regular import chain_lines, product
+from firstcontact.curves.certified.regular import chain_lines
 from firstcontact.curves.exactly.cusps import singular_points, stationary_rulings, torsal_rulings
 from firstcontact.curves.exactly.tracing import Powers, Surfaces, rows
 from firstcontact.exact.fields.roots import AlgebraicRoot, roots_in
