@@ -10,6 +10,7 @@ from firstcontact.contact import table
 from firstcontact.errors import InputError, UnsupportedPair, shown
 from firstcontact.exact.numbers import positive_double
 from firstcontact.kernels.jit import with_signals
+from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.span import common_span, refuse_many_turns
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
@@ -76,7 +77,7 @@ def first_contact(
     a, b = table.as_body(a), table.as_body(b)
     first, last = common_span(a, b, span)
     if budget is None or table.kinds_of(a, b) != table.MESHES:  # turns of polyhedra count as work
-        refuse_many_turns(a, b, first, last, (Screw,))  # the first contact under rotations is in their first turn
+        refuse_many_turns(a, b, first, last, (Screw, Linkage))  # the first contact of a Rotation is in its first turn
     return table.first_contact(
         Query(a, b, first, last, exact, method, engine, tolerance, budget, progress, threads, begin)
     )

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+import pytest
 from flint import arb, fmpq
+from scipy.optimize import linprog
 
-from firstcontact.pairs.elements.separated import are_apart
+from firstcontact import Rotation
+from firstcontact.pairs.elements.separated import apart_in_doubles, are_apart
 
 
 def points(rows, scale=1):
@@ -40,3 +44,37 @@ def test_balls_have_to_bear_it_out():
     for radius, apart in ((0.1, True), (0.5, False)):
         ball = arb(p[0]), arb(p[1]) + arb(0, radius), arb(p[2])
         assert are_apart([ball], FACET, v, last) is apart
+
+
+def corners(rng, kind, flat):
+    """(3, 3) corners of a point, an edge or a triangle, in the plane z = 0 or anywhere, on a coarse grid."""
+    found = rng.integers(-3, 4, (3, 3)).astype(float)
+    found[:, 2] *= not flat
+    return found[[0, 0, 0] if kind == 0 else [0, 1, 1] if kind == 1 else [0, 1, 2]]
+
+
+def share_a_point(a, b):
+    """Whether the hulls of two sets of points meet, by linear programming."""
+    equal = np.vstack([np.hstack([a.T, -b.T]), np.repeat(np.eye(2), [len(a), len(b)], axis=1)])
+    return linprog(np.zeros(len(a) + len(b)), A_eq=equal, b_eq=[0, 0, 0, 1, 1]).status == 0
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_what_doubles_tell_of_many_pairs(flat):
+    """Never apart where they meet; in one plane all that are apart are told."""
+    seed = 8 + flat
+    print("seed", seed)
+    rng = np.random.default_rng(seed)
+    kinds = rng.permutation([(0, 2), (1, 1), (2, 0), (1, 2), (2, 1)] * 40)
+    a, b = (np.array([corners(rng, kind, flat) for kind in side]) for side in kinds.T)
+    b[::2] += [2, 1, 0]
+    ranks = np.array([[np.linalg.matrix_rank(x[1:] - x[0]) for x in side] for side in (a, b)]).T
+    is_proper = (ranks == kinds).all(axis=1)  # no triangle is an edge, no edge a point
+    for shift in (np.zeros(3), np.array([1.0, -2.0, 0.0]), np.array([1.0, 1.0, 3.0 * (not flat)])):
+        told = apart_in_doubles(a, b, shift, 1e-12)
+        met = np.array([share_a_point(np.vstack([x, x + shift]), y) for x, y in zip(a, b, strict=True)])
+        assert met.any() and told.any() and not (told & met).any()
+        if flat and not shift.any():
+            assert (told | met)[is_proper].all()
+        turned = Rotation((1, 2, 3), radians=1)(1.0)[:3, :3]  # roundings everywhere
+        assert not (apart_in_doubles(a @ turned.T, b @ turned.T, turned @ shift, 1e-13) & met).any()

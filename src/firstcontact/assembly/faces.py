@@ -1,12 +1,12 @@
 """The first new contact of polyhedra that touch at the start, by their triangles.
 
-Let F, G be what the two have of one plane that the motion keeps and in which they touch, with the bodies on different
-sides. A triangle of a that lies on a's side and meets the plane within F, and one of b that does so with G, share
-points of F and G alone, at all times: an old contact. All other pairs of triangles that share no point at the start
-are searched for their first contact; those that part at once, for their next one; those that meet on the axis of a
-rotation, which stays as it is, for one beside it. Before the earliest of these times all contacts are old. Nor do the
-bodies overlap before it: where they begin to, triangles cross along a curve, and where that is in F and G, the bodies
-are on different sides.
+Let F, G be what the two have of one plane that the motion keeps, or off which they part, and in which they touch, with
+the bodies on different sides. A triangle of a that lies on a's side and meets the plane within F, and one of b that
+does so with G, share points of F and G alone, at all times: an old contact. All other pairs of triangles that share no
+point at the start are searched for their first contact; those that part at once, for their next one; those that meet on
+the axis of a rotation, which stays as it is, for one beside it. Before the earliest of these times all contacts are
+old. Nor do the bodies overlap before it: where they begin to, triangles cross along a curve, and where that is in F and
+G, the bodies are on different sides.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firstcontact import query
-from firstcontact.assembly.kept import generators, is_kept, standing
+from firstcontact.assembly.kept import generators, parting, standing
 from firstcontact.assembly.new_contact import Lasts, NewContactQuery, after_start, earliest, renamed
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import Plane, Rows, doubles, upright
 from firstcontact.exact.numbers import fraction, sign
 from firstcontact.exact.vectors import Vector, along, cross, dot, sub
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.rotation import Rotation, sense_about
 from firstcontact.result import Element, FirstContact
 from firstcontact.search.trees.containment import contains
 from firstcontact.search.trees.frame import tree_of
@@ -49,7 +49,7 @@ def by_faces(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
     if not all(isinstance(shape_of(x), Polyhedron) and len(shape_of(x).triangles) for x in (a, b)):
         return None
     stands = [standing(x, asking.first) for x in (a, b)]
-    by = None if stands[0] is None or stands[1] is None else generators((a, b), asking.first, asking.last)
+    by = None if stands[0] is None or stands[1] is None else generators(a, b, asking.first, asking.last)
     sides = Mesh(a, stands[0]), Mesh(b, stands[1])
     met = _met_at_start(sides, asking)
     if met is None:
@@ -109,7 +109,8 @@ class Mesh:
         And the sign of the plane's form on the body's side of each facet; 0 where it has no inside.
         """
         if plane not in self._facets:
-            left = {k for k in self._near(plane) if self.plane(k) == plane}
+            near = np.flatnonzero(self._near(plane)[self.triangles].all(axis=1))
+            left = {k for k in near.tolist() if self.plane(k) == plane}
             found = []
             while left:
                 facet = self._hanging_together(min(left), left)
@@ -122,14 +123,18 @@ class Mesh:
         """The triangles of all facets in the plane that look away from that side of it, or have no inside."""
         return frozenset().union(*(facet for facet, inner in self.facets(plane) if inner in (side, 0)))
 
-    def _near(self, plane: Plane) -> list[int]:
-        """Triangles that may lie in the plane."""
+    def _near(self, plane: Plane) -> np.ndarray:
+        """(n,) bools: vertices that may lie in the plane."""
         normal = np.array(doubles((plane.normal,))[0])
         length = float(np.linalg.norm(normal[:3]))
         heights = np.abs(self.stands.vertices @ normal[:3] + normal[3]) / length
         size = float(np.abs(self.stands.vertices).max()) + abs(float(normal[3])) / length
-        on = heights <= ROUNDING * size + 2.0 * self.stands.error
-        return np.flatnonzero(on[self.triangles].all(axis=1)).tolist()
+        near: np.ndarray = heights <= ROUNDING * size + 2.0 * self.stands.error
+        return near
+
+    def _on(self, plane: Plane) -> set[int]:
+        """Vertices in the plane."""
+        return {v for v in np.flatnonzero(self._near(plane)).tolist() if plane.value((*self.point(v), 1)) == 0}
 
     def _hanging_together(self, triangle: int, among: set[int]) -> frozenset[int]:
         facet, waiting = {triangle}, [triangle]
@@ -149,12 +154,28 @@ class Mesh:
         ahead = contains(self.stands, tree_of(self.stands), tuple(centre), axis, (triangle,))
         return sign(plane.normal[axis]) * (1 if ahead else -1)
 
-    def star(self, facet: frozenset[int], plane: Plane, side: int) -> frozenset[int]:
-        """The triangles on that side of the plane that meet it within the facet, and somewhere."""
-        vertices = {v for k in facet for v in self.corners(k)}
+    def side(self, triangle: int, plane: Plane) -> int | None:
+        """The sign of the plane's form on the triangle, or inside of one in it; 0 where it has no inside.
+
+        None of a triangle on both sides.
+        """
+        heights = {sign(plane.value((*self.point(v), 1))) for v in self.corners(triangle)}
+        if heights == {0}:
+            return next((inner for facet, inner in self.facets(plane) if triangle in facet), None)
+        return None if {-1, 1} <= heights else max(heights, key=abs)
+
+    def star(self, plane: Plane, side: int) -> frozenset[int]:
+        """The triangles on that side of the plane that meet it within its facets, and somewhere.
+
+        Of a body without one there, in corners and edges.
+        """
+        facet = self.within(plane, side)
+        on = self._on(plane) if not facet else {v for k in facet for v in self.corners(k)}
         edges = {edge for k in facet for edge in _edges(self.corners(k))}
-        near = np.flatnonzero(np.isin(self.triangles, list(vertices)).any(axis=1))
-        return facet | {k for k in near.tolist() if self._is_within(k, vertices, edges, plane, side)}
+        near = np.flatnonzero(np.isin(self.triangles, list(on)).any(axis=1))
+        if not facet:
+            edges = {edge for k in near.tolist() for edge in _edges(self.corners(k)) if on.issuperset(edge)}
+        return facet | {k for k in near.tolist() if self._is_within(k, on, edges, plane, side)}
 
     def _is_within(
         self, triangle: int, vertices: set[int], edges: set[tuple[int, int]], plane: Plane, side: int
@@ -257,19 +278,17 @@ def _stars(sides: tuple[Mesh, Mesh], met: set[tuple[int, int]], by: list[Rows] |
         return []
     stars: dict[tuple[Plane, int], Star] = {}
     for pair in sorted(met):
-        plane = sides[0].plane(pair[0])
-        if plane is None or plane != sides[1].plane(pair[1]) or not is_kept(plane, by):
-            continue
-        inner = [
-            next(inner for facet, inner in mesh.facets(plane) if x in facet)
-            for mesh, x in zip(sides, pair, strict=True)
-        ]
-        if inner[0] == inner[1]:  # on the same side, or without an inside
-            continue
-        side = inner[0] or -inner[1]
-        if (plane, side) not in stars:
-            own, other = sides[0].within(plane, side), sides[1].within(plane, -side)
-            stars[plane, side] = sides[0].star(own, plane, side), sides[1].star(other, plane, -side)
+        for plane in {mesh.plane(x) for mesh, x in zip(sides, pair, strict=True)} - {None}:
+            assert plane is not None
+            off = parting(plane, by)
+            if off is None or (plane, 1) in stars or (plane, -1) in stars:
+                continue
+            own, other = (mesh.side(x, plane) for mesh, x in zip(sides, pair, strict=True))
+            if own is None or own == other or other is None:  # across it, on the same side, or both without an inside
+                continue
+            side = own or -other
+            if off in (0, side):
+                stars[plane, side] = sides[0].star(plane, side), sides[1].star(plane, -side)
     return list(stars.values())
 
 
@@ -305,9 +324,12 @@ def _after_start(x: MeshPart, y: MeshPart, asking: NewContactQuery) -> list[Firs
 
 
 def _axis(a: Body, b: Body) -> Rotation | None:
-    """The motion of one of them, if it is a rotation and the other one rests."""
+    """A rotation about the line about which they turn, if at most one of them rests."""
     motions = [x.motion for x in (a, b) if isinstance(x, Moving)]
-    return motions[0] if len(motions) == 1 and isinstance(motions[0], Rotation) else None
+    turns = [x for x in motions if isinstance(x, Rotation)]
+    if not turns or len(turns) != len(motions) or not all(sense_about(turns[0], x) for x in turns):
+        return None
+    return turns[0]
 
 
 def _cut_along(part: MeshPart, axis: Rotation) -> list[MeshPart]:

@@ -1,7 +1,8 @@
-"""Planes and quadrics that motions carry into themselves, decided exactly.
+"""Planes and quadrics that motions carry into themselves, or off which bodies part, decided exactly.
 
-The poses of a translation, a rotation or a screw are those of one-parameter groups exp(s G); what every G keeps, all
-poses keep, those of sequences too.
+The poses of a translation, a rotation or a screw are those of one-parameter groups exp(s G), with s that grows; what
+every G keeps, all poses keep, those of sequences too.  A plane that every G keeps or shifts along its normal stays
+parallel to itself, and so one height tells how far a body has gone from it.
 """
 
 from __future__ import annotations
@@ -11,10 +12,11 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
-from firstcontact.body.solid.carriers import Plane, Rows, Surface, Vector, times, transposed
-from firstcontact.exact.vectors import cross
+from firstcontact.body.solid.carriers import Plane, Quadric, Rows, Surface, Vector, times, transposed
+from firstcontact.exact.numbers import sign
+from firstcontact.exact.vectors import cross, scaled, sub
 from firstcontact.motion.moving import Moving
-from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.rotation import Rotation, sense_about
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.steps import steps_of
 from firstcontact.motion.translation import Translation
@@ -27,18 +29,34 @@ _0 = fmpq(0)
 NO_ROW: Vector = (_0, _0, _0, _0)
 
 
-def generators(bodies: Listing[Body], first: fmpq, last: fmpq | None) -> list[Rows] | None:
-    """The G (4, 4) of all motions of the bodies from first to last; None where a motion is of no such kind."""
+def generators(a: Body, b: Body, first: fmpq, last: fmpq | None) -> list[Rows] | None:
+    """The G (4, 4) of all motions from first to last; shifts are those of a against b.  None of other kinds of motion.
+
+    Of two motions that are one, seen from b, it is that one's.
+    """
+    together = _relative(a, b)
+    if together is not None:
+        return [together]
     found: list[Rows] = []
-    for body in bodies:
+    for body, way in ((a, 1), (b, -1)):
         for step in steps_of(body.motion) if isinstance(body, Moving) else ():
             if step.end is not None and step.end <= first or last is not None and step.start >= last:
                 continue
-            own = _of_motion(step.motion)
+            own = _of_motion(step.motion, way)
             if own is None:
                 return None
             found += own
     return found
+
+
+def _relative(a: Body, b: Body) -> Rows | None:
+    """Of bodies that both shift all the time, or turn about one line."""
+    x, y = (body.motion if isinstance(body, Moving) else None for body in (a, b))
+    if isinstance(x, Translation) and isinstance(y, Translation):
+        return _shift(sub(x.vector, y.vector))
+    if isinstance(x, Rotation) and isinstance(y, Rotation) and sense_about(x, y):
+        return _turn(x.axis, x.point)
+    return None
 
 
 def step_ends(bodies: Listing[Body], first: fmpq, last: fmpq | None) -> list[fmpq]:
@@ -60,13 +78,13 @@ def standing(body: Body, time: fmpq) -> Shape | None:
     return placed
 
 
-def _of_motion(motion: Single) -> list[Rows] | None:
+def _of_motion(motion: Single, way: int) -> list[Rows] | None:
     if isinstance(motion, Translation):
-        return [_shift(motion.vector)]
+        return [_shift(scaled(way, motion.vector))]
     if isinstance(motion, Rotation):
         return [_turn(motion.axis, motion.point)]
     if isinstance(motion, Screw):
-        return [_turn(motion.axis, motion.point), *([_shift(motion.axis)] if motion.advance else [])]
+        return [_turn(motion.axis, motion.point), _shift(scaled(way * motion.advance, motion.axis))]
     return None
 
 
@@ -80,15 +98,23 @@ def _turn(axis: Vector, point: Vector) -> Rows:
     return (_0, -z, y, k), (z, _0, -x, m), (-y, x, _0, n), NO_ROW
 
 
-def is_kept(surface: Surface, by: Listing[Rows]) -> bool:
-    """Whether all poses carry the surface into itself."""
-    return all(_vanishes(surface, g) for g in by)
+def parting(surface: Surface, by: Listing[Rows]) -> int | None:
+    """0 where all poses of both bodies carry the surface into itself.  Else the side of a plane, as the sign of its
+    form, to which a goes off from b: neither ever comes back any of the way, nor do they turn against the plane.
+
+    None where it is neither.
+    """
+    if not isinstance(surface, Plane):
+        return 0 if all(_vanishes(surface, g) for g in by) else None
+    rates = [times((surface.normal,), g)[0] for g in by]
+    if any(any(turned) for *turned, _ in rates):
+        return None
+    ways = {sign(shift) for *_, shift in rates} - {0}
+    return None if len(ways) > 1 else next(iter(ways), 0)
 
 
-def _vanishes(surface: Surface, g: Rows) -> bool:
+def _vanishes(surface: Quadric, g: Rows) -> bool:
     """Whether the derivative of the surface's form along the motion is zero."""
-    if isinstance(surface, Plane):
-        return not any(any(row) for row in times((surface.normal,), g))
     product = times(surface.form, g)
     return not any(x + y for row, other in zip(product, transposed(product), strict=True)
                    for x, y in zip(row, other, strict=True))  # fmt: skip

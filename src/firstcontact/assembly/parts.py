@@ -1,8 +1,9 @@
 """The first new contact of solids of planes and quadrics, or one and a mesh, that touch at the start, by their parts.
 
 A solid is the union of intersections of half-spaces and their likes.  Two such parts that a surface separates, which
-the motion keeps, never overlap, and share points of that surface alone: old contacts, if some parts on these sides of
-it touch at the start.  All others are asked for their first contact, or, where they part at once, for their next one.
+the motion keeps or off which they part, never overlap, and share points of that surface alone: old contacts, if some
+parts on these sides of it touch at the start.  All others are asked for their first contact, or, where they part at
+once, for their next one.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from firstcontact.assembly.kept import generators, is_kept, standing
+from firstcontact.assembly.kept import generators, parting, standing
 from firstcontact.assembly.new_contact import NewContactQuery, after_start, earliest, renamed
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import Plane, Rows, Surface
@@ -60,7 +61,7 @@ class StartPart:
 
 def by_parts(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
     """None for other bodies and motions, and where there are too many parts.  Raises Lasts."""
-    by = generators((a, b), asking.first, asking.last)
+    by = generators(a, b, asking.first, asking.last)
     stands = [standing(x, asking.first) for x in (a, b)]
     if by is None or stands[0] is None or stands[1] is None:
         return None
@@ -83,9 +84,9 @@ def by_parts(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
 
 
 def _seams(x: StartPart, y: StartPart, by: Sequence[Rows]) -> Iterator[Surface]:
-    """Surfaces of theirs that the motion keeps, with x on the negative side and y on the other one."""
+    """Surfaces of theirs that the motion keeps, or off which they part, with x on the negative side, y on the other."""
     for side in dict.fromkeys([*x.sides, *(side.negated() for side in y.sides)]):
-        if is_kept(side, by) and _separates(side, x, y):
+        if parting(side, by) in (0, -1) and _separates(side, x, y):
             yield side
 
 

@@ -123,6 +123,8 @@ def fraction(x: fmpq) -> Fraction:
 
 def to_double(x: fmpq) -> float:
     """The double nearest x (ties to even), infinite beyond the largest."""
+    if not x:
+        return 0.0
     near = arb(x)
     if near.is_exact():  # whatever the precision; most numbers come from doubles
         return float(near)

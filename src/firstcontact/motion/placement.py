@@ -27,7 +27,7 @@ from firstcontact.exact.vectors import dot, scaled
 from firstcontact.motion.poses import sqrt_near
 from firstcontact.motion.product import Product
 from firstcontact.motion.rational import RationalMotion
-from firstcontact.motion.rotation import Rotation, angle_ball
+from firstcontact.motion.rotation import Rotation, angle_ball, sense_about
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
 
@@ -105,6 +105,11 @@ class Placement:
     _known: dict[Any, Matrix] = field(default_factory=dict, repr=False, compare=False)
 
     def then(self, factor: Matrix | Turn | Twist) -> Placement:
+        """The placement and then the factor; turns about one line are one."""
+        last = self.factors[-1] if self.factors else None
+        if isinstance(factor, Turn) and isinstance(last, Turn) and (sense := sense_about(factor, last)):
+            radians, turns = last.radians + sense * factor.radians, last.turns + sense * factor.turns
+            return (self.earlier or HERE).then(Turn(last.axis, last.point, radians, turns))
         matrix = factor.exact() if isinstance(factor, Turn | Twist) else factor
         if matrix is None:
             return Placement((*self.factors, factor), self)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, to_double
-from firstcontact.exact.vectors import Vector, add
+from firstcontact.exact.vectors import Vector, add, cross, dot, sub
 from firstcontact.motion.translation import SPAN, bounded, double_of, vector3
 from firstcontact.motion.value import Motion, number, numbers
 
@@ -134,6 +134,22 @@ def turns_of(motion: AnyMotion) -> fmpq:
         return turns
     angle: fmpq = abs(getattr(motion, "angle", fmpq(0)))
     return angle if getattr(motion, "unit", "turns") == "turns" else angle / 6
+
+
+class About(Protocol):
+    """What turns about the line through `point` along `axis`."""
+
+    @property
+    def axis(self) -> Vector: ...
+    @property
+    def point(self) -> Vector: ...
+
+
+def sense_about(x: About, y: About) -> int:
+    """1 or -1 where both turn about one line, forward along it or against each other; 0 where they do not."""
+    if any(cross(x.axis, y.axis)) or any(cross(sub(x.point, y.point), y.axis)):
+        return 0
+    return 1 if dot(x.axis, y.axis) > 0 else -1
 
 
 def angle_ball(angle: fmpq, unit: str) -> arb:

@@ -105,16 +105,17 @@ def _is_far(motion: AnyMotion, time: fmpq) -> bool:
 
 
 def refuse_many_turns(
-    a: AnyBody, b: AnyBody, first: fmpq, last: fmpq | None, kinds: tuple[type, ...] = (Rotation, Screw)
-) -> None:
+    a: AnyBody, b: AnyBody, first: fmpq, last: fmpq | None,
+    kinds: tuple[type[Rotation | Screw | Linkage], ...] = (Rotation, Screw, Linkage),
+) -> None:  # fmt: skip
     """InputError for a body that turns more than MOST_TURNS times in the span by a motion of these kinds."""
     for body in (a, b):
         if not isinstance(body, Moving) or isinstance(body.motion, Translation):
             continue
         motion = body.motion
-        share = 1 if last is None or not getattr(motion, "extends", False) else last - first
         for step in [motion] if isinstance(motion, Linkage) else getattr(motion, "steps", [motion]):
-            if isinstance(step, Rotation | Screw | Linkage) and isinstance(step, (*kinds, Linkage)):
+            if isinstance(step, kinds):
+                share = 1 if last is None or not getattr(motion, "extends", False) else last - first
                 turns = exact_value(step.turns) if isinstance(step, Linkage) else turns_of(step) * share
                 if turns > MOST_TURNS:
                     who = body.name or "a body"

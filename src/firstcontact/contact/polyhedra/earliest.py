@@ -6,13 +6,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
-from flint import arb
-
 from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.contact.polyhedra.planar import BeginsNothing
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import PRECISIONS, Undecidable, exact_value, precision
-from firstcontact.exact.times.instants import Instant, RationalInstant
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
+from firstcontact.exact.times.instants import Instant
 from firstcontact.search.trees.elements import KINDS, Feature, feature
 from firstcontact.search.trees.state import (
     ALL,
@@ -52,6 +50,8 @@ if TYPE_CHECKING:
 
 # A contact in doubt need not be decided where the bodies certainly meet within this share of the window after it.
 SOON = 2.0**-40
+# Candidates from which on doubles are asked which of them are apart.
+MANY = 64
 # Certain pairs from which on it is worth asking which of them are told together.
 SEVERAL = 8
 
@@ -86,8 +86,10 @@ class Problem(Protocol):
 
     # the first contact
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int: ...
+    def apart(self, rows: np.ndarray) -> np.ndarray: ...
     def contact(self, element_a: Feature, element_b: Feature) -> Instant | None: ...
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> Instant | None: ...
+    def between(self, lo: float, hi: float) -> Any: ...
     def tied_with(self, pair: Pair, instant: Any, others: Sequence[Pair]) -> Sequence[Pair]: ...
     def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None: ...
 
@@ -298,12 +300,13 @@ class _Search:
             return
         times = self.state.times[:n].tolist()
         rows = self.state.candidates[:n].tolist()
+        apart = self.problem.apart(self.state.candidates[:n]).tolist() if n >= MANY else [False] * n
         integers[CANDIDATES] = 0
         integers[UNSURE_COUNT] = 0
         best = float(self.state.floats[BEST])
         unsure = []
-        for (lo, hi), row in zip(times, rows, strict=True):
-            if lo > best:
+        for (lo, hi), row, is_apart in zip(times, rows, apart, strict=True):
+            if lo > best or is_apart:
                 continue
             if row[0] >= CERTAIN_KIND:
                 if row[0] >= CERTAIN_KIND + EDGE_FACE:
@@ -474,11 +477,10 @@ class _Search:
             found.free_until = open_until
             if self.best is not None:
                 self.met_by = min(self.met_by, self.best.bounds()[1])
-            if not self._is_soon(open_until):
+            found.instant = self.problem.between(open_until, self.met_by) if self._is_soon(open_until) else None
+            if found.instant is None:
                 found.open = "precision"
                 return
-            lo, hi = (arb(exact_value(t)) for t in (open_until, self.met_by))
-            found.instant = RationalInstant(lo.union(hi))
             near = [pair for pair, possible in self.doubtful.items() if possible <= self.met_by]
             found.pairs = sorted({*near, *self.tied})
             return

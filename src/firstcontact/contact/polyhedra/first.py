@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Sequence
 from dataclasses import replace
 
 from firstcontact.contact.advancing import Apart, in_longer_span, without_advance
@@ -41,8 +42,28 @@ def first(query: Query) -> FirstContact:
     return answered(_FIRST, query)
 
 
-def _first_contact(query: Query, _: None = None) -> FirstContact:
-    parts = _pieces(query)
+def _by_trees(query: Query, _: None) -> FirstContact | Passed:
+    return decided(_first_contact(query, _pieces(query)), query)
+
+
+def _in_balls(query: Query, proved: FirstContact) -> FirstContact | Passed:
+    """By the motions themselves, which tell more of bodies in irrational poses."""
+    left = query.budget_after(proved.stats)
+    found = _first_contact(replace(query, budget=left), curved_pieces(query.a, query.b, query.first, query.end))
+    found = replace(found, stats=replace(proved.stats + found.stats, seconds=found.stats.seconds, ways=()))
+    if found.status is Status.UNDECIDED and (found.free_until or 0.0) <= (proved.free_until or 0.0):
+        return Passed(str(found.reason))
+    return found
+
+
+def _are_in_doubt(query: Query, proved: FirstContact | None) -> bool:
+    """Whether shifts or turns were left open, as they may be in irrational poses."""
+    if proved is None or query.exact or query.last is None or query.engine not in ("auto", "boxes"):
+        return False
+    return any(isinstance(piece, MotionPiece) for piece in _pieces(query))
+
+
+def _first_contact(query: Query, parts: Sequence[MotionPiece | CurvedPiece]) -> FirstContact:
     if query.engine not in ("auto", "boxes") and any(isinstance(piece, CurvedPiece) for piece in parts):
         raise UnsupportedPair(
             f"engine {query.engine!r} searches translations and rotations; other motions take 'auto'"
@@ -79,7 +100,10 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
     return FirstContact.free(_timed(stats, begin), **shared)
 
 
-_FIRST = (Way("by trees", _first_contact),)
+_FIRST: tuple[Way[FirstContact], ...] = (
+    Way("by trees", _by_trees),
+    Way("in balls", _in_balls, _are_in_doubt),
+)
 
 
 def intervals(query: Query) -> ContactIntervals:
@@ -156,7 +180,8 @@ def _contact_intervals(query: Query) -> ContactIntervals:
             if found.open is not None:
                 until = max(to_double(piece.start), problem.world_time(found.until))
                 if found.open == "precision" and not ends:  # a first contact may be easier to tell than all windows
-                    rest = _first_contact(replace(query, first=piece.start, budget=work.left, exact=False))
+                    own = replace(query, first=piece.start, budget=work.left, exact=False)
+                    rest = _first_contact(own, _pieces(own))
                     if rest.status is Status.FREE:
                         break
                     until = max(until, rest.free_until or until)

@@ -5,7 +5,8 @@ frame, and a moves in it.  The working frame itself follows b: `carry` brings po
 Curved pieces (`curved`) hold both motions.
 
 The reference is the start of the piece, but where a rotation's pose is irrational there: then it is the
-time at which the rotation began in a rational pose, and the piece is a window of its angles.
+time at which the rotation began in a rational pose, or would have begun with the turns about its axis before it, and
+the piece is a window of its angles.
 """
 
 from __future__ import annotations
@@ -21,13 +22,13 @@ from flint import fmpq
 
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import to_double
-from firstcontact.exact.vectors import cross, dot, scaled, sub
+from firstcontact.exact.vectors import scaled, sub
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.placement import HERE, Placement, Turn, angle_of
 from firstcontact.motion.product import Product
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
-from firstcontact.motion.rotation import Rotation, rotation_matrix, turns_of
+from firstcontact.motion.rotation import Rotation, rotation_matrix, sense_about, turns_of
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.steps import RESTING, Step, steps_of
@@ -214,11 +215,33 @@ def _reduce(a: Body, b: Body, step_a: Step, step_b: Step, start: fmpq, end: fmpq
         )
     reference = start
     if not (placed[0].is_exact and placed[1].is_exact):
-        begins = {step.origin for step, rests in ((step_a, rest_a), (step_b, rest_b)) if not rests}
-        if len(begins) == 1 and step_a.before.is_exact and step_b.before.is_exact:
-            reference, placed = begins.pop(), (step_a.before, step_b.before)
+        since = [_exact_since(step, rests) for step, rests in ((step_a, rest_a), (step_b, rest_b))]
+        times = {time for time, _ in since if time is not None}
+        if len(times) == 1 and all(pose.is_exact for _, pose in since):
+            reference, placed = times.pop(), (since[0][1], since[1][1])
     steps = step_a, step_b
     return MotionPiece(start, end, reference, *placed, None, lead.axis, lead.point, rate, None, carry_rate, steps)
+
+
+def _exact_since(step: Step, rests: bool) -> tuple[fmpq | None, Placement]:
+    """A time and a pose from which on the rotation takes the body all the way to where it does; no time at rest.
+
+    That is where the step begins or, after turns about the same line, where it would have begun with these; full turns
+    before that are left out.
+    """
+    if rests:
+        return None, step.before
+    motion = step.motion
+    assert isinstance(motion, Rotation)
+    done = step.before.factors[-1] if step.before.factors else None
+    if isinstance(done, Turn) and (sense := sense_about(done, motion)):
+        radians, turns = angle_of(motion, sense / step.unit)
+        if done.radians == 0 and radians == 0:
+            passed = done.turns / turns
+            return step.origin - (passed - (passed * abs(turns)).floor() / abs(turns)), step.before.earlier or HERE
+        if done.turns == 0 and turns == 0 and done.radians / radians > 0:
+            return step.origin - done.radians / radians, step.before.earlier or HERE
+    return step.origin, step.before
 
 
 def _is_straight_or_turn(step: Step) -> bool:
@@ -252,9 +275,9 @@ def _rate(step: Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
     assert isinstance(motion, Rotation)
     sense = 1
     if motion is not lead:
-        if any(cross(motion.axis, lead.axis)) or any(cross(sub(motion.point, lead.point), lead.axis)):
+        sense = sense_about(motion, lead)
+        if not sense:
             return None
-        sense = 1 if dot(motion.axis, lead.axis) > 0 else -1
     return angle_of(motion, sense / step.unit)
 
 

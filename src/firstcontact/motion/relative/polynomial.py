@@ -18,13 +18,13 @@ from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import dyadic, fraction, precision
 from firstcontact.exact.rigid import IDENTITY, rational_sqrt
 from firstcontact.exact.rigid import Matrix as Fixed
-from firstcontact.exact.vectors import Vector, cross, dot, scaled, sub
+from firstcontact.exact.vectors import Vector, dot, scaled
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative import projective
 from firstcontact.motion.relative.clocks import AngleClock, Root, StraightClock
 from firstcontact.motion.relative.projective import Matrix
-from firstcontact.motion.rotation import Rotation, angle_ball
+from firstcontact.motion.rotation import Rotation, angle_ball, sense_about
 from firstcontact.motion.span import limits
 from firstcontact.motion.steps import REST, steps_of
 from firstcontact.motion.translation import Translation
@@ -227,10 +227,8 @@ def _difference(a: PolynomialStep, b: PolynomialStep) -> PolynomialStep | None:
     x, y = a.motion, b.motion
     if not (isinstance(x, Rotation) and isinstance(y, Rotation)) or x.angle == 0 or y.angle == 0 or x.unit != y.unit:
         return None
-    if any(cross(x.axis, y.axis)) or any(cross(sub(x.point, y.point), x.axis)):
-        return None
-    p, q = x.angle / a.unit, y.angle / b.unit * (1 if dot(x.axis, y.axis) > 0 else -1)
-    if p == q:
+    p, q = x.angle / a.unit, y.angle / b.unit * sense_about(x, y)
+    if q == 0 or p == q:
         return None
     turn = Rotation(x.axis, x.point, **{x.unit: p - q})
     after = projective.inverse(projective.fixed(b.before), _0)

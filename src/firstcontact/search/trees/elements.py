@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
 from flint import fmpq, fmpz
 
 from firstcontact.exact.numbers import Undecidable
@@ -11,7 +12,7 @@ from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.exact.vectors import Vector, scaled, whole, whole_doubles
 from firstcontact.pairs.elements.line_line import segments_meet
 from firstcontact.pairs.elements.segment_facet import APART, relation
-from firstcontact.search.trees.state import EDGE_EDGE, EDGE_FACE, FACE_EDGE, FACE_VERTEX, VERTEX_FACE
+from firstcontact.search.trees.state import CERTAIN_KIND, EDGE_EDGE, EDGE_FACE, FACE_EDGE, FACE_VERTEX, VERTEX_FACE
 from firstcontact.search.trees.tree import Tree
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ KINDS = {
     int(EDGE_FACE): (EDGE, FACE),
     int(FACE_EDGE): (FACE, EDGE),
 }
+_KINDS = np.array([KINDS[k] for k in range(len(KINDS))])
+_AHEAD = np.array([[0, 0, 0], [0, 1, 1], [0, 1, 2]])  # corners of an element of a kind, counted from its first one
 
 # Of a scale that all elements share; doubles of one size need some 110.
 MOST_BITS = 256
@@ -45,6 +48,18 @@ def feature(tree: Tree, kind: int, part: int, local: int) -> Feature:
     if kind == EDGE:
         return EDGE, int(tree.sides[primitive, local])
     return FACE, primitive
+
+
+def places(tree_a: Tree, tree_b: Tree, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3, 3) corners of the elements of candidates (n, 5) in the trees' frames; edges and vertices repeat theirs."""
+    kinds = _KINDS[rows[:, 0] % CERTAIN_KIND]
+    return _places(tree_a, kinds[:, 0], rows[:, 1], rows[:, 2]), _places(tree_b, kinds[:, 1], rows[:, 3], rows[:, 4])
+
+
+def _places(tree: Tree, kinds: np.ndarray, parts: np.ndarray, local: np.ndarray) -> np.ndarray:
+    first = np.where(kinds == FACE, 0, local)
+    found: np.ndarray = tree.xyz.reshape(-1, 3, 3)[parts[:, None], (first[:, None] + _AHEAD[kinds]) % 3]
+    return found
 
 
 def vertices_of(body: Polyhedron, element: Feature) -> list[int]:

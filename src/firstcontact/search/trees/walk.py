@@ -227,7 +227,7 @@ def walk(
             a, b, key = a0, b0, key0
         if integers[CANDIDATES] + LEAF_ROOM > times.shape[0]:
             return FULL
-        if integers[UNSURE_COUNT] >= UNSURE_BATCH:
+        if integers[UNSURE_COUNT] >= UNSURE_BATCH and floats[ALL] == 0.0:  # where all are wanted none ends the walk
             return DECIDE
         if integers[VISITS] >= limit:
             return SLICE_SPENT

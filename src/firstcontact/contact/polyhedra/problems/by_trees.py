@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from flint import arb
 
+from firstcontact.exact.numbers import exact_value
+from firstcontact.exact.times.instants import RationalInstant
 from firstcontact.search.trees.state import WalkState
 from firstcontact.search.trees.tree import Tree
 from firstcontact.search.trees.walk import walk
@@ -36,9 +39,18 @@ class ByTrees:
         """(last, sure last): outward and inward doubles around the end of the window."""
         raise NotImplementedError
 
+    def between(self, lo: float, hi: float) -> Any:
+        """Some instant of the local clock between two; None where there are none but exact ones."""
+        return RationalInstant(arb(exact_value(lo)).union(arb(exact_value(hi))))
+
     def tied_with(self, pair: Pair, instant: Any, others: Sequence[Pair]) -> Sequence[Pair]:
         """Of pairs that floats have proved to meet, once, some that meet at the very instant of the pair."""
         return ()
+
+    def apart(self, rows: np.ndarray) -> np.ndarray:
+        """(n,) bools: True proves that the elements of a candidate share no point, of an edge and a face at the start.
+        """
+        return np.zeros(len(rows), bool)
 
     def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk over trees of boxes; the reason it came back."""

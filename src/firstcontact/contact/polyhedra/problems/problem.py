@@ -74,6 +74,8 @@ def problems_in_order(
                 bodies = _placed(a, b, start)
                 if not _boxes_apart(*bodies):
                     yield TranslationProblem(*bodies, start), True
+                if piece.start == piece.end and all(body.irrational_pose is None for body in bodies):
+                    continue  # one instant, all told
             curved: Any = problem_of(a, b, piece, engine)
             yield curved, False
         else:

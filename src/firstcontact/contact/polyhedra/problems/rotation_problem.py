@@ -370,6 +370,9 @@ class RotationProblem(ByEngine):
     def start_point(self, element_a: Feature, element_b: Feature) -> Vector:
         return segment_facet.start_point(corners_of(self.a, element_a), corners_of(self.b, element_b))
 
+    def between(self, lo: float, hi: float) -> None:
+        """None: its instants are exact angles; the motions themselves tell what balls can (`polyhedra.first`)."""
+
     def is_contained(self) -> bool:
         """Whether a body lies inside the other one at the start; their surfaces share no point."""
         return contained(self.a, self.b) is not None

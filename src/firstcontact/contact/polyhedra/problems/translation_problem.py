@@ -22,10 +22,10 @@ from firstcontact.exact.times.windows import ALWAYS, Window, clip, hull
 from firstcontact.exact.vectors import Vector, scaled
 from firstcontact.motion.relative.pieces import MotionPiece
 from firstcontact.pairs.elements import coplanar, line_line, point_plane, segment_facet
-from firstcontact.pairs.elements.separated import are_apart
+from firstcontact.pairs.elements.separated import apart_in_doubles, are_apart
 from firstcontact.search.trees import translate
 from firstcontact.search.trees.containment import contained
-from firstcontact.search.trees.elements import EDGE, VERTEX, Corners, Feature, Primitive, corners_of
+from firstcontact.search.trees.elements import EDGE, VERTEX, Corners, Feature, Primitive, corners_of, places
 from firstcontact.search.trees.frame import Frame, shared_frame, tree_of, view_in
 from firstcontact.search.trees.touch import Touch, translation_touch
 
@@ -89,6 +89,16 @@ class TranslationProblem(ByEngine):
         elements = element_a, corners_a, element_b, corners_b, v
         clipped = clip(self._unless_apart(lambda: _window(*elements), corners_a, corners_b, v), (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
+
+    def apart(self, rows: np.ndarray) -> np.ndarray:
+        """(n,) bools: True proves that the elements of a candidate share no point in the window."""
+        last = self._window[0]
+        if last == math.inf:
+            return super().apart(rows)
+        a, b = places(self.tree_a, self.tree_b, rows)
+        shift = np.array(self._doubles) * last
+        error = self.tree_a.error + self.tree_b.error + 2.0**-51 * float(np.abs(shift).max())
+        return apart_in_doubles(a, b, shift, error)
 
     def _unless_apart(
         self, windows: Callable[[], Window | None], a: Sequence[Vector], b: Sequence[Vector], v: Vector

@@ -1,0 +1,119 @@
+"""Bodies that part at once from what they touch, stand on tips, or share a motion: the first new contact."""
+
+import pytest
+
+import firstcontact as fc
+from firstcontact import Rotation, Screw, Sequence, Status, Translation
+
+PLATE = fc.examples.box((40, 40, 1)).translated((0, 0, "-1/2"))
+TIP = fc.Polyhedron(
+    [(0, 0, 0), (1, 1, 1), (-1, 1, 1), (-1, -1, 1), (1, -1, 1)],
+    [[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 1, 4], [1, 2, 3, 4]],
+)
+KEEL = fc.Polyhedron(
+    [(0, -1, 0), (1, -1, 1), (-1, -1, 1), (0, 1, 0), (1, 1, 1), (-1, 1, 1)],
+    [[0, 1, 2], [3, 5, 4], [0, 3, 4, 1], [1, 4, 5, 2], [2, 5, 3, 0]],
+)
+
+STEP = fc.Polyhedron(
+    [(x, y, z) for y in (-20, 20) for x, z in [(-9, -1), (9, -1), (9, 6), (5, 6), (5, 0), (-9, 0)]],
+    [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], *([i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6] for i in range(6))],
+)
+"""A floor at 0 and a wall from x = 5 on, in one."""
+
+
+def under_a_roof(solid):
+    """A plate with its top at 0, and over all of it a roof 7/2 above."""
+    make = fc.box if solid else fc.examples.box
+    return [make((40, 40, 1)).translated((0, 0, z)) for z in ("-1/2", 4)]
+
+
+def channel():
+    """A mesh: a floor at 0 and a roof 7/2 above it, joined by a wall far off."""
+    outline = [(-20, -1), (20, -1), (20, 5), (-9, 5), (-9, 3.5), (19, 3.5), (19, 0), (-20, 0)]
+    n = len(outline)
+    rims = [list(range(n)), list(range(n, 2 * n))[::-1]]
+    sides = [[i, i + n, (i + 1) % n + n, (i + 1) % n] for i in range(n)]
+    return fc.Polyhedron([(x, y, z) for y in (-20, 20) for x, z in outline], [*rims, *sides])
+
+
+def cube(solid=False):
+    return (fc.box if solid else fc.examples.box)((2, 2, 2)).translated((0, 0, 1))
+
+
+@pytest.mark.parametrize("solid", [False, True])
+def test_a_block_screws_off_its_plate(solid):
+    plate, roof = under_a_roof(solid)
+    moving = cube(solid).moving(Screw((0, 0, 1), (3, 1, 0), degrees=80, advance=3))
+    assert fc.first_new_contact(moving, plate).status is Status.FREE
+    assert fc.first_new_contact(plate, moving).status is Status.FREE
+    hit = fc.first_contact(moving, roof)
+    assert hit.status is Status.CONTACT and hit.time == 0.5
+
+
+def test_a_block_screws_up_to_the_roof_of_its_channel():
+    moving = cube().moving(Screw((0, 0, -1), (3, 1, 0), degrees=80, advance=-3))
+    for pair in ((moving, channel()), (channel(), moving)):
+        hit = fc.first_new_contact(*pair)
+        assert hit.status is Status.CONTACT and hit.time_interval[0] <= 0.5 <= hit.time_interval[1]
+
+
+@pytest.mark.parametrize("solid", [False, True])
+def test_a_block_that_is_pressed_in_meets_at_once(solid):
+    moving = cube(solid).moving(Translation((1, 0, -1)))
+    hit = fc.first_new_contact(moving, under_a_roof(solid)[0])
+    assert hit.status is Status.CONTACT and hit.time == 0.0
+    away = cube(solid).moving(Sequence([Translation((1, 0, 0)), Translation((0, 0, 3))]))
+    assert fc.first_new_contact(away, under_a_roof(solid)[0]).status is Status.FREE
+
+
+def test_a_block_that_comes_back_is_not_told_free():
+    """It rises, and sinks deeper than it stood."""
+    moving = cube().moving(Sequence([Translation((0, 0, 1)), Translation((0, 0, -2))]))
+    hit = fc.first_new_contact(moving, PLATE)
+    assert hit.status is not Status.FREE and hit.free_until <= 1.5
+
+
+def test_pairs_at_one_instant_of_a_screw_are_those_at_rest():
+    screw = Screw((0, 0, 1), degrees=90, advance=3)
+    there, moving = (fc.contact_pairs(x, PLATE, (0, 0)) for x in (cube(), cube().moving(screw)))
+    assert set(moving.pairs) == set(there.pairs) and set(moving.piercing) == set(there.piercing)
+    assert there.pairs and moving.stats.pair_tests < 500
+    found = fc.contact_intervals(cube().moving(screw), PLATE, (0, 0))
+    assert found.status is Status.INITIAL_CONTACT and [(x.start, x.end) for x in found] == [(0.0, 0.0)]
+
+
+@pytest.mark.parametrize("body", [TIP, KEEL], ids=["tip", "keel"])
+def test_what_stands_on_a_tip_or_a_keel_slides(body):
+    for motion in (Translation((3, 1, 0)), Rotation((0, 0, 1), (5, 0, 0), turns="1/4")):
+        for pair in ((body.moving(motion), PLATE), (PLATE, body.moving(motion))):
+            assert fc.first_new_contact(*pair).status is Status.FREE
+    stop = fc.first_new_contact(body.moving(Translation((8, 0, 0))), STEP)
+    assert stop.status is Status.CONTACT and stop.time == 0.5
+
+
+@pytest.mark.parametrize("common", [(0, 1, 0), (0, 0, 1), (3, -2, -5)])
+@pytest.mark.parametrize("solid", [False, True])
+def test_a_shift_of_both_changes_nothing(common, solid):
+    plate, _ = under_a_roof(solid)
+    wall = (fc.box if solid else fc.examples.box)((1, 20, 5)).translated((5, 0, 0))
+    small = cube(solid)
+    own = tuple(x + y for x, y in zip(common, (8, 0, 0), strict=True))
+    assert fc.first_new_contact(plate.moving(Translation(common)), small.moving(Translation(own))).status is Status.FREE
+    hit = fc.first_contact(wall.moving(Translation(common)), small.moving(Translation(own)))
+    assert hit.time == pytest.approx(0.4375, abs=1e-12)
+    if solid:
+        hit = fc.first_new_contact((plate | wall).moving(Translation(common)), small.moving(Translation(own)))
+        assert hit.status is Status.CONTACT and hit.time == 0.4375
+
+
+@pytest.mark.parametrize("solid", [False, True])
+@pytest.mark.parametrize("both", ["1/4", "-1/7"])
+def test_a_hinge_both_leaves_of_which_turn(solid, both):
+    make = fc.box if solid else fc.examples.box
+    frame, lid = make((3, 2, 2)).translated(("3/2", 0, -1)), make((1, 2, 2)).translated(("-1/2", 0, 1))
+    turns = {"1/4": "7/12", "-1/7": "4/21"}[both]  # a third of a turn more; a quarter of one is free
+    hit = fc.first_new_contact(
+        frame.moving(Rotation((0, 1, 0), turns=both)), lid.moving(Rotation((0, -2, 0), turns=f"-{turns}"))
+    )
+    assert hit.status is Status.CONTACT and hit.time_interval[0] <= 0.75 <= hit.time_interval[1]
