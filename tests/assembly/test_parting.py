@@ -1,5 +1,7 @@
 """Bodies that part at once from what they touch, stand on tips, or share a motion: the first new contact."""
 
+from fractions import Fraction
+
 import pytest
 
 import firstcontact as fc
@@ -117,3 +119,69 @@ def test_a_hinge_both_leaves_of_which_turn(solid, both):
         frame.moving(Rotation((0, 1, 0), turns=both)), lid.moving(Rotation((0, -2, 0), turns=f"-{turns}"))
     )
     assert hit.status is Status.CONTACT and hit.time_interval[0] <= 0.75 <= hit.time_interval[1]
+
+
+@pytest.mark.parametrize("part", ["ball", "cone", "drilled"])
+def test_a_solid_screws_off_a_mesh(part):
+    """About an axis that is none of its own; the mesh is a channel, not convex: 7/2 are free above the floor."""
+    round_ = {
+        "ball": fc.sphere(1).translated((0, 0, 1)),
+        "cone": fc.cone(1, 2),
+        "drilled": fc.box((2, 2, 2)).translated((0, 0, 1)) - fc.cylinder("1/2", 6),
+    }[part]
+    for advance, time in ((1, None), (3, 0.5)):
+        moving = round_.moving(Screw((0, 0, 1), ("1/3", 0, 0), turns="1/3", advance=advance))
+        assert fc.first_contact(moving, PLATE, (0, 0)).status is Status.INITIAL_CONTACT
+        assert fc.first_new_contact(moving, PLATE).status is Status.FREE
+        hit = fc.first_new_contact(moving, channel())
+        if part == "drilled":  # that it only touches is not told
+            assert hit.status is Status.INITIAL_CONTACT and hit.initial is None
+        elif time is None:
+            assert hit.status is Status.FREE
+        else:
+            assert hit.status is Status.CONTACT and hit.time_interval[0] <= time <= hit.time_interval[1]
+
+
+def test_a_solid_that_slides_on_a_mesh_meets_its_wall():
+    ball = fc.sphere(1).translated((0, 0, 1))
+    for pair in ((ball.moving(Translation((8, 0, 0))), STEP), (STEP, ball.moving(Translation((8, 0, 0))))):
+        hit = fc.first_new_contact(*pair)
+        assert hit.status is Status.CONTACT and hit.time_interval[0] <= 0.5 <= hit.time_interval[1]
+        assert "face" in str(hit.element_a) + str(hit.element_b)
+    assert fc.first_new_contact(ball.moving(Translation((3, 1, 0))), STEP).status is Status.FREE
+
+
+@pytest.mark.parametrize("motion", [Translation((0, 0, 4)), Rotation((0, 0, 1), turns="1/3")])
+def test_a_square_pin_in_a_round_bore(motion):
+    """It touches the bore along its edges, as a mesh and as a solid."""
+    plate = fc.box((6, 6, 2)) - fc.cylinder(1, 4)
+    pin = fc.box(("6/5", "8/5", 4))
+    mesh = fc.Polyhedron(
+        [(x, y, z) for x in ("-3/5", "3/5") for y in ("-4/5", "4/5") for z in (-2, 2)],
+        [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]],
+    )
+    for body in (pin, mesh):
+        assert fc.first_new_contact(body.moving(motion), plate).status is Status.FREE
+    stop = fc.box((1, 1, 1)).translated((0, 0, "7/2"))  # above the pin: met after 1 of 4
+    lifted = fc.first_new_contact(mesh.moving(Translation((0, 0, 4))), plate | stop)
+    assert lifted.status is Status.CONTACT and lifted.time_interval[0] <= 0.25 <= lifted.time_interval[1]
+
+
+def test_a_hinge_of_solids_with_a_round_bump_elsewhere():
+    frame, lid = fc.box((3, 2, 2)).translated(("3/2", 0, -1)), fc.box((1, 2, 2)).translated(("-1/2", 0, 1))
+    bump = fc.sphere("1/4").translated(("1/2", 0, 0))
+    hit = fc.first_new_contact(lid.moving(Rotation((0, 1, 0), degrees=90)), frame | bump)
+    # the lid's plane is tangent to the ball, 1/4 thick half way out, where the sine of what is left is 1/2
+    lo, hi = map(Fraction, hit.time_interval)
+    assert hit.status is Status.CONTACT and lo <= Fraction(2, 3) <= hi
+
+
+def test_a_drilled_box_on_a_mesh_that_is_not_convex():
+    """An edge of its hole is in the mesh's plane all round."""
+    drilled = fc.box((2, 2, 1)).translated((-3, 0, "1/2")) - fc.cylinder("1/2", 3).translated((-3, 0, 0))
+    for pair in ((drilled, channel()), (channel(), drilled)):
+        assert fc.first_contact(*pair).status is Status.INITIAL_CONTACT
+    above = drilled.translated((0, 0, "1/1000"))
+    assert fc.first_contact(above, channel()).status is Status.FREE
+    falls = fc.first_contact(above.moving(Translation((0, 0, -1))), channel())
+    assert falls.status is Status.CONTACT and falls.time_interval[0] <= 0.001 <= falls.time_interval[1]

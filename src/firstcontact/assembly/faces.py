@@ -94,6 +94,10 @@ class Mesh:
             self._planes[triangle] = Plane(upright((*n, -dot(n, p)))) if any(n) else None
         return self._planes[triangle]
 
+    def all_planes(self) -> list[Plane]:
+        """Those of all triangles with an area, each once."""
+        return list(dict.fromkeys(x for x in map(self.plane, range(len(self.triangles))) if x is not None))
+
     @cached_property
     def _around(self) -> dict[tuple[int, int], list[int]]:
         """The triangles along each edge, by its vertices."""

@@ -174,9 +174,16 @@ def _of_bodies(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
 
     found = None if as_polyhedra.are_taken(a, b) else _new_contact(a, b, asking)
     if found is None or (found.reason == LASTING and as_polyhedra.are_of_planes(a, b)):
-        meshes = as_polyhedra.as_polyhedron(a), as_polyhedra.as_polyhedron(b)
-        found = as_polyhedra.in_own_elements(_new_contact(*meshes, asking), a, b)
+        found = of_meshes(a, b, asking)
     return found
+
+
+def of_meshes(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
+    """Solids of planes as meshes."""
+    from firstcontact.contact.mesh_model import as_polyhedra
+
+    meshes = as_polyhedra.as_polyhedron(a), as_polyhedra.as_polyhedron(b)
+    return as_polyhedra.in_own_elements(_new_contact(*meshes, asking), a, b)
 
 
 def _new_contact(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:

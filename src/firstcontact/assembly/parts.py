@@ -3,31 +3,47 @@
 A solid is the union of intersections of half-spaces and their likes.  Two such parts that a surface separates, which
 the motion keeps or off which they part, never overlap, and share points of that surface alone: old contacts, if some
 parts on these sides of it touch at the start.  All others are asked for their first contact, or, where they part at
-once, for their next one.
+once, for their next one.  The parts of a mesh are, of each plane near the solid, the triangles on its side that meet
+it, and all others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
+from firstcontact.assembly.faces import Mesh, MeshPart
 from firstcontact.assembly.kept import generators, parting, standing
-from firstcontact.assembly.new_contact import NewContactQuery, after_start, earliest, renamed
+from firstcontact.assembly.new_contact import (
+    LASTING,
+    Lasts,
+    NewContactQuery,
+    after_start,
+    earliest,
+    of_meshes,
+    renamed,
+)
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.body.solid.carriers import Plane, Rows, Surface
+from firstcontact.body.solid.carriers import Plane, Rows, Surface, doubles, inertia
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, conjunction, renumbered, surfaces_of
+from firstcontact.contact.mesh_model import as_polyhedra
 from firstcontact.contact.models.answer import element as named
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.result import Element, FirstContact, Status
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
+    from firstcontact.body.kinds import Body, Shape
 
 MOST_PARTS = 200
 """Of a solid; pairs of them are asked about one by one."""
+MOST_TRIANGLES = 20_000
+"""Of a mesh whose planes are looked at."""
+MOST_PLANES = 50
+"""Of a mesh near a solid."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +58,13 @@ class StartPart:
     sides: frozenset[Surface]
     whole: CompositeQuadric | None = None
     """The solid; None of a mesh."""
+    triangles: MeshPart | None = None
+    """Of a mesh, those that the part is; None: all."""
 
     def element(self, element: Element) -> Element:
         """What users call an element of the part: the solid's own on the same surfaces, or a face on one of them."""
         if self.whole is None:
-            return element
+            return element if self.triangles is None else self.triangles.element(element)
         part: CompositeQuadric = shape_of(self.body)._with(whole=self.whole)
         own: dict[str, Any] = {"face": part.faces, "edge": part.edges, "vertex": part.vertices, "apex": part.vertices}
         feature = own[element.kind][element.index]
@@ -62,10 +80,14 @@ class StartPart:
 def by_parts(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
     """None for other bodies and motions, and where there are too many parts.  Raises Lasts."""
     by = generators(a, b, asking.first, asking.last)
-    stands = [standing(x, asking.first) for x in (a, b)]
+    stands = standing(a, asking.first), standing(b, asking.first)
     if by is None or stands[0] is None or stands[1] is None:
         return None
-    own, other = (_parts(x, shape) for x, shape in zip((a, b), stands, strict=True))
+    shapes = stands[0], stands[1]
+    own, other = (
+        _parts(x, shape) if isinstance(shape, CompositeQuadric) else _of_mesh(x, shape, beside, by, asking)
+        for x, shape, beside in zip((a, b), shapes, reversed(shapes), strict=True)
+    )
     if own is None or other is None or not any(x.sides for x in (*own, *other)):
         return None
     pairs = []
@@ -77,10 +99,23 @@ def by_parts(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
     for x, y, touch, between in pairs:
         if between or touch and any(_separates(side, x, y) for side in seams):
             continue
-        told = after_start(x.body, y.body, asking) if touch else asking.first_contact(x.body, y.body)
+        told = _after_start(x.body, y.body, asking) if touch else asking.first_contact(x.body, y.body)
         if told.status is Status.FREE or not any(_separates(side, x, y) for side in seams):
             found.append(renamed(told, x.element, y.element))
     return earliest(found, asking)
+
+
+def _after_start(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
+    """New contacts of two parts that touch, as on a hinge.  Raises Lasts."""
+    try:
+        return after_start(a, b, asking)
+    except Lasts:
+        if not as_polyhedra.are_of_planes(a, b):
+            raise
+    found = of_meshes(a, b, asking)
+    if found.reason == LASTING:
+        raise Lasts
+    return found
 
 
 def _seams(x: StartPart, y: StartPart, by: Sequence[Rows]) -> Iterator[Surface]:
@@ -101,7 +136,7 @@ def _is_beyond(shape: Polyhedron | CompositeQuadric, side: Surface) -> bool:
     """Whether all of it lies where the surface's form is not negative."""
     if isinstance(shape, Polyhedron):
         points = (shape.exact_vertex(k) for k in range(len(shape.vertices)))
-        return isinstance(side, Plane) and all(side.value((*p, 1)) >= 0 for p in points)
+        return _is_convex_beyond(side) and all(side.value((*p, 1)) >= 0 for p in points)
     try:
         shape & CompositeQuadric([side], Leaf(0))
     except NoSolid:
@@ -109,13 +144,52 @@ def _is_beyond(shape: Polyhedron | CompositeQuadric, side: Surface) -> bool:
     return False
 
 
-def _parts(body: Any, stands: Any) -> list[StartPart] | None:
-    """None of other bodies, and where there are too many; stands: its shape at the start."""
-    model: Any = shape_of(body)
-    if isinstance(model, Polyhedron):
-        return [StartPart(body, stands, frozenset())]
-    if not isinstance(model, CompositeQuadric):
+def _of_mesh(
+    body: Body, stands: Shape, beside: Shape, by: Sequence[Rows], asking: NewContactQuery
+) -> list[StartPart] | None:  # fmt: skip
+    """The triangles by the planes that the motion keeps, or off which they part; None of other bodies."""
+    if not isinstance(stands, Polyhedron):
         return None
+    whole = [StartPart(body, stands, frozenset())]
+    if not (isinstance(beside, CompositeQuadric) and asking.is_apart and 0 < len(stands.triangles) <= MOST_TRIANGLES):
+        return whole
+    mesh = Mesh(body, stands)
+    corners = list(product(*zip(*beside.bounds(), strict=True)))
+    planes = [x for x in mesh.all_planes() if parting(x, by) is not None and _meets(x, corners)]
+    if len(planes) > MOST_PLANES:
+        return whole
+    parts, left = [], set(range(len(mesh.triangles)))
+    for plane in planes:
+        for side in {inner for _, inner in mesh.facets(plane)} - {0}:
+            star = mesh.star(plane, side)
+            left -= star
+            parts.append(_sheet(mesh, star, {plane if side < 0 else plane.negated()}, asking))
+    return [*parts, *([_sheet(mesh, left, set(), asking)] if left else [])] if parts else whole
+
+
+def _meets(plane: Plane, corners: Sequence[Sequence[float]]) -> bool:
+    """Whether a box has points within a millionth of its size of the plane."""
+    (normal,) = doubles((plane.normal,))
+    heights = [math.fsum([n * x for n, x in zip(normal, (*p, 1.0), strict=True)]) for p in corners]
+    return min(heights) <= 1e-6 * (max(heights) - min(heights)) and max(heights) >= 0.0
+
+
+def _sheet(mesh: Mesh, triangles: Iterable[int], sides: set[Surface], asking: NewContactQuery) -> StartPart:
+    part = mesh.part(triangles)
+    return StartPart(part.body, standing(part.body, asking.first), frozenset(sides), None, part)
+
+
+def _is_convex_beyond(side: Surface) -> bool:
+    """Whether what lies where the form is not negative is convex: its squares are all negative, or there are none."""
+    if isinstance(side, Plane):
+        return True
+    positive, _ = inertia(tuple(row[:3] for row in side.form[:3]))
+    return positive == 0
+
+
+def _parts(body: Any, stands: CompositeQuadric) -> list[StartPart] | None:
+    """Those of a solid; None where there are too many; stands: its shape at the start."""
+    model: CompositeQuadric = shape_of(body)
     known: list[tuple[list[Tree], Any]] = [([], None)]
     for factor in _factors(model.tree, False):
         grown: list[tuple[list[Tree], Any]] = []

@@ -130,6 +130,8 @@ class _Answer:
         self.windows = windows_of(self.a, self.b, self.first, self.last)
         self.search = search_of(self.mesh, self.model, self.mesh_is_a, query.budget, query.progress)
         self.width = query.tolerance * (self.windows[-1].last - self.windows[0].first)
+        self.is_placed = True
+        """Whether it is known at the start which parts of the model the mesh holds."""
         self.lands = False
         """Whether the answer is a contact of the last instant alone."""
 
@@ -147,7 +149,7 @@ class _Answer:
         if swept.status == "initial":
             return self._initial(window) if at_start else self._jump(window)
         if held is None:
-            return self._undecided(window.first, "precision")
+            return self._unless_placed(window, swept, at_start)
         if swept.reason == "budget":
             return self._undecided(swept.free_until, "budget")
         if swept.status == "contact" and not self.exact:
@@ -168,6 +170,19 @@ class _Answer:
         if isinstance(landed, FirstContact):
             return landed
         return self._undecided(swept.free_until, "precision")
+
+    def _unless_placed(self, window: Window, swept: Swept, at_start: bool) -> FirstContact:
+        """The answer where doubles do not tell whether the mesh holds all of a part of the model.
+
+        What they share at the start may be told then, if not in what manner; nothing later.
+        """
+        self.is_placed = False
+        near = [x for x in swept.open if x.free_until <= window.first]
+        if at_start and near and not self.in_doubles:
+            found = tried(lambda: self._start(near, window))
+            if isinstance(found, FirstContact) and found.status is Status.INITIAL_CONTACT:
+                return found
+        return self._undecided(window.first, "precision")
 
     def _result(self, status: Status, **fields: Unpack[ContactFields]) -> FirstContact:
         return FirstContact(status, stats=self._stats(), **fields, **self.shared)
@@ -364,7 +379,7 @@ class _Answer:
 
     def _landed(self, window: Window, swept: Swept) -> FirstContact | None:
         """CONTACT where all is free up to the last instant, and a triangle is proved to touch in the poses of then."""
-        if window is not self.windows[-1] or self.span[1] - swept.free_until > self.width:
+        if window is not self.windows[-1] or self.span[1] - swept.free_until > self.width or self.first == self.last:
             return None
         standing = [_standing(x, self.last) for x in (self.a, self.b)]
         motions = [x[1] for x in standing if x is not None and x[1] is not None]
@@ -480,7 +495,7 @@ class _Answer:
                 return self._at_start(self._kind(Swept("initial", t, touch), window), point=touch.point)
         for place in seen.values():
             if place.point is not None:  # shared
-                kind = "touching" if all(place.outside for place in seen.values()) else None
+                kind = "touching" if self.is_placed and all(place.outside for place in seen.values()) else None
                 return self._at_start(kind, point=standing.world(place.point))
         apart = all(place.relation is Relation.APART for place in seen.values())
         return None if apart else self._undecided(self.span[0], "precision")
@@ -489,7 +504,7 @@ class _Answer:
         near = [x for x in left if x.free_until <= self.windows[0].first]
         seen = contact_of(search, meetings, False, self.shared)
         return self._at_start(
-            "touching" if self._interiors_apart(search, near) else None,
+            "touching" if self.is_placed and self._interiors_apart(search, near) else None,
             point=seen.point, element_a=seen.element_a, element_b=seen.element_b, others=seen.others,
             multiplicity=seen.multiplicity, contact_set=seen.contact_set,
         )  # fmt: skip

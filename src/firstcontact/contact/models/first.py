@@ -80,10 +80,15 @@ def first(query: Query) -> FirstContact:
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly, at the contact", _at_contact, _is_contact),
         Way("exactly", _exactly),
-        Way("at the last instant", at_last_instant, is_proved),
+        Way("at the last instant", at_last_instant, _has_a_later_instant),
         Way("as polyhedra", _as_polyhedra, lambda query, _: seen is None and not query.is_algebraic),
         Way("what doubles proved", as_proved, is_proved),
     ], query)  # fmt: skip
+
+
+def _has_a_later_instant(query: Query, proved: Advance | None) -> bool:
+    """Whether the last instant is another one than the start, whose contact is told as such."""
+    return proved is not None and query.last != query.first
 
 
 def _is_contact(query: Query, proved: Advance | None) -> bool:
