@@ -102,3 +102,25 @@ def test_a_contact_in_the_last_turns():
     assert hit.status is Status.CONTACT and hit.time == pytest.approx(3 / 3.0625, rel=1e-12)
     (only,) = fc.contact_intervals(TURNED.moving(screw(10, advance=-3.0625)), plate)
     assert only.start == pytest.approx(3 / 3.0625, rel=1e-12) and only.end == 1.0
+
+
+BALL = fc.sphere(1).translated((3, 0, 2))
+ARM = fc.box((6, 1, 1)).translated((0, 0, 2))
+
+
+@pytest.mark.parametrize("turns", [400, 1000])
+def test_a_curved_body_beside_one_that_makes_many_turns(turns):
+    """In a rotation the first turn tells all; a screw is looked at some hundred turns at a time."""
+    there = ARM.rotated((0, 0, 1), degrees=90)
+    once = fc.first_contact(there.moving(fc.Rotation((0, 0, 1), turns=1)), BALL)
+    many = fc.first_contact(there.moving(fc.Rotation((0, 0, 1), turns=turns)), BALL)
+    assert once.status is many.status is Status.CONTACT and many.span == (0.0, 1.0)
+    assert many.time == pytest.approx(once.time / turns, rel=1e-9)
+    free = fc.first_contact(there.moving(fc.Rotation((0, 0, 1), turns=turns)), BALL.translated((2, 0, 0)))
+    assert free.status is Status.FREE and free.free_until == 1.0
+    disc = fc.cylinder(4, 1).translated((0, 0, "-1/2"))  # its top, at 0, rises to the ball's lowest point at 1
+    screw = fc.Screw((0, 0, 1), turns=turns, advance=2)
+    for verb in (fc.first_contact, fc.contact_intervals):
+        found = verb(disc.moving(screw), BALL)
+        begin = found.time if verb is fc.first_contact else found[0].start
+        assert found.status is Status.CONTACT and begin == pytest.approx(0.5, abs=1e-9)

@@ -1,7 +1,7 @@
 """Spans without end, of bodies that one finite span settles: some time after which nothing changes any more.
 
 Under a translation bounded bodies pass each other; and each surface of an unbounded one ends up on one side of a
-bounded body, or moves along itself.  A rotation repeats itself after a turn.
+bounded body, or moves along itself.  A rotation repeats itself after a turn, in spans with an end too.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from firstcontact.exact.numbers import above, ball_bounds, below, exact_value, p
 from firstcontact.exact.vectors import scaled
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.pieces import MotionPiece, pieces
-from firstcontact.motion.rotation import angle_ball
+from firstcontact.motion.rotation import Rotation, angle_ball, turns_of
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
 
@@ -43,6 +43,31 @@ def first(ask: Callable[[Query], FirstContact], query: Query) -> FirstContact:
             found = ask(replace(query, last=until, tolerance=0.8 * query.tolerance))
     free_until = ENDLESS if found.status is Status.FREE else found.free_until
     return replace(found, span=query.span, free_until=free_until)
+
+
+def in_one_turn(ask: Callable[[Query], FirstContact], query: Query) -> FirstContact:
+    """What `ask` tells; of bodies that turn more than once about one line, of the first full turn."""
+    motions = [body.motion for body in query.bodies if isinstance(body, Moving)]
+    length = query.end - query.first
+    turns = [turns_of(x) * length for x in motions if isinstance(x, Rotation)]
+    if not turns or len(turns) < len(motions) or sum(turns) <= 1:
+        return ask(query)
+    if any(getattr(shape_of(body), "deforming", False) for body in query.bodies):
+        return ask(query)
+    (piece,) = pieces(query.a, query.b, query.first, query.end)
+    end = _full_turn(piece) if isinstance(piece, MotionPiece) and any(piece.rate) else query.end
+    if end >= query.end:
+        return ask(query)
+    found = ask(replace(query, last=end))
+    free_until = query.span[1] if found.status is Status.FREE else found.free_until
+    return replace(found, span=query.span, free_until=free_until)
+
+
+def _full_turn(piece: MotionPiece) -> fmpq:
+    """A time by which a rotation has come round."""
+    with precision(64):
+        rate = angle_ball(piece.rate[0], "radians") + angle_ball(piece.rate[1], "turns")
+        return piece.start + exact_value(ball_bounds(abs(2 * arb.pi() / rate))[1])
 
 
 def intervals(ask: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
@@ -73,9 +98,7 @@ def _settling(query: Query) -> tuple[MotionPiece, fmpq]:
     (piece,) = pieces(a, b, first, None)
     assert isinstance(piece, MotionPiece)  # others need an end
     if piece.velocity is None:
-        with precision(64):
-            rate = angle_ball(piece.rate[0], "radians") + angle_ball(piece.rate[1], "turns")
-            return piece, first + exact_value(ball_bounds(abs(2 * arb.pi() / rate))[1])
+        return piece, _full_turn(piece)
     wait = fmpq(0)
     if any(piece.velocity):
         box_a, box_b = (_box(x, first) for x in (a, b))

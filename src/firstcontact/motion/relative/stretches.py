@@ -32,7 +32,7 @@ from firstcontact.motion.relative import projective
 from firstcontact.motion.relative.curved import own_series, terms
 from firstcontact.motion.relative.polynomial import own_pose
 from firstcontact.motion.relative.turns import BITS, middle, turning_rows
-from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.rotation import Rotation, turns_of
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.steps import REST, Step, steps_of
 from firstcontact.motion.translation import Translation
@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 U = 2.0**-53
 # Largest half angle (radians) of one stretch: `sine_cosine` reduces arguments below 2^10.
 MOST_RADIANS = 1000.0
+# Of a window, which is two halves long.
+MOST_TURNS = 300
 # A product of motions turns a sixth of a turn in one window, less where the values of joints bend there, and is a
 # polynomial of TERMS coefficients.  What is left out is enclosed.  It is below LEFT_OUT of the sizes, and so are its
 # first derivatives but for powers of TERMS: far below the roundings of coefficients, which the kernels allow for.
@@ -81,6 +83,7 @@ def _windows_of(motion_a: AnyMotion, motion_b: AnyMotion, p: int, q: int, r: int
         for step in own:
             if step.end is not None:
                 cuts |= {t for t in (step.start, *_inner_cuts(step), step.end) if first < t < last}
+            cuts.update(_between_turns(step, first, last))
     times = sorted(cuts)
     found = []
     for begin, end in zip(times, times[1:] or times, strict=False):
@@ -98,6 +101,15 @@ def _inner_cuts(step: Step) -> list[fmpq]:
     while degree > 1 and _left_out(2.0 * math.pi * to_double(turns), degree, count) > LEFT_OUT:
         count += 1 + count // 16
     return [step.start + step.unit * k / count for k in range(1, count)]
+
+
+def _between_turns(step: Step, first: fmpq, last: fmpq) -> list[fmpq]:
+    """Where a rotation or screw of many turns is cut, for its angles to be told closely enough."""
+    if not isinstance(step.motion, Rotation | Screw):
+        return []
+    begin, end = max(first, step.start), last if step.end is None else min(last, step.end)
+    count = int((turns_of(step.motion) * (end - begin) / (step.unit * MOST_TURNS)).ceil()) if begin < end else 1
+    return [begin + (end - begin) * k / count for k in range(1, count)]
 
 
 def _left_out(angle: float, degree: int, count: int) -> float:
