@@ -11,7 +11,8 @@ from firstcontact.errors import InputError
 _DEFINED = re.compile(rb"(?:^|[;\s])#(\d+)\s*=\s*(\(|[A-Z_0-9]+)")
 _USED = re.compile(rb"#(\d+)")
 _STRINGS = re.compile(rb"'(?:[^']|'')*'")
-_NO_NUMBER = re.compile(rb"[(,]\s*([-+]?(?:NAN|INF(?:INITY)?)|[-+]?1\.#\w+)\s*(?=[,)])", re.I)
+_BEYOND = rb"\d*\.?\d*[ED]\+?0*(?:[1-9]\d{3,}|[4-9]\d\d|3[1-9]\d|30[89])"  # of the range of doubles
+_NO_NUMBER = re.compile(rb"[(,]\s*([-+]?(?:NAN|INF(?:INITY)?|1\.#\w+|" + _BEYOND + rb"))\s*(?=[,)])", re.I)
 _NO_FACES = re.compile(rb"#(\d+)\s*=\s*(CLOSED_SHELL|OPEN_SHELL)\s*\([^;()]*\(\s*\)\s*\)")
 _COMMENTS = re.compile(rb"/\*.*?\*/", re.S)
 
@@ -40,7 +41,8 @@ def checked(path: Path) -> dict[int, str]:
 
 
 def _check_values(path: Path, data: bytes) -> None:
-    """InputError where a number is none, which OpenCASCADE reads as 0, or a shell has no faces, which it leaves out."""
+    """InputError where a number is none, which OpenCASCADE reads as 0, or no double, or a shell has no faces, which it
+    leaves out."""
     empty, wrong = _NO_FACES.search(data), _NO_NUMBER.search(data)
     if empty:
         raise InputError(f"{path}: entity #{int(empty[1])} ({empty[2].decode()}) has no faces; export the model again")
