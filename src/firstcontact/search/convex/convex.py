@@ -390,8 +390,11 @@ def _arcs(edge: Edge) -> list[list[float]]:
         half = 0.5 * (piece.hi - piece.lo)
         middle = edge.points([0.5 * (piece.lo + piece.hi)])[0]
         c, s = np.linalg.lstsq(np.column_stack([first, second]), middle - centre, rcond=None)[0]
+        length = math.hypot(c, s)
+        if not length > 0.0:
+            raise NotConvex("an edge too small for doubles")
         cosine = -2.0 if half + ARC_SLACK >= math.pi - 1e-9 else math.cos(half + ARC_SLACK)
-        rows.append([*centre, *first, *second, c / math.hypot(c, s), s / math.hypot(c, s), cosine, error])
+        rows.append([*centre, *first, *second, c / length, s / length, cosine, error])
     return rows
 
 
