@@ -171,7 +171,7 @@ def _median_wall(arguments: list[str], cache: str, repeats: int) -> float | str:
 
 def _wall(arguments: list[str], cache: str) -> float | str:
     """Seconds of one process; exit codes 0 and 1 (free, contact) are answers, others become a text."""
-    environment = {**os.environ, "FIRSTCONTACT_CACHE": cache}
+    environment = {**os.environ, "FIRSTCONTACT_CACHE": cache, "PYTHONDONTWRITEBYTECODE": ""}
     program = "import sys; from firstcontact.cli import main; main()"
     start = perf_counter()
     done = subprocess.run(

@@ -109,7 +109,7 @@ class Side:
     def __init__(self, source: Path, cache: Path) -> None:
         self.environment = {
             **os.environ, "PYTHONPATH": f"{source}{os.pathsep}{HERE}", "FIRSTCONTACT_CACHE": str(cache),
-            "OPENBLAS_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "",  # compiled once, as installed modules are
         }  # fmt: skip
         self.process = subprocess.Popen(
             [sys.executable, str(HERE / "paired.py"), "--serve"], env=self.environment, text=True,

@@ -185,3 +185,32 @@ def test_a_drilled_box_on_a_mesh_that_is_not_convex():
     assert fc.first_contact(above, channel()).status is Status.FREE
     falls = fc.first_contact(above.moving(Translation((0, 0, -1))), channel())
     assert falls.status is Status.CONTACT and falls.time_interval[0] <= 0.001 <= falls.time_interval[1]
+
+
+def test_the_work_told_is_that_of_all_that_was_asked(monkeypatch):
+    """Of the first contact, of every part, and of what was asked twice."""
+    done = []
+    for name in ("first_contact", "contact_intervals", "contact_pairs"):
+        verb = getattr(fc.query, name)
+        monkeypatch.setattr(fc.query, name, lambda *a, verb=verb, **k: done.append(found := verb(*a, **k)) or found)
+    moving = cube().moving(Screw((0, 0, 1), (3, 1, 0), degrees=80, advance=3))
+    hit = fc.first_new_contact(moving, channel())
+    work = [(x.stats.node_visits, x.stats.pair_tests, x.stats.exact_evaluations) for x in done]
+    told = hit.stats.node_visits, hit.stats.pair_tests, hit.stats.exact_evaluations
+    assert len(done) > 3 and told == tuple(map(sum, zip(*work, strict=True)))
+
+
+@pytest.mark.parametrize("durations", [None, ["3/10", "7/10", 5]])
+def test_steps_that_meet_at_no_double(durations):
+    """A ball turns in its socket, is lifted out, and goes on, or comes down again on the middle of the socket."""
+    ball, socket = fc.sphere(1), fc.box((4, 4, 2)).translated((0, 0, -1)) - fc.sphere(1)
+    turn, lift = Rotation((0, 0, 1), degrees=90), Translation((0, 0, 3))
+    for last, time in ((Translation((1, 0, 0)), None), (Translation((0, 0, -6)), Fraction(1, 2))):
+        motion = Sequence([turn, lift, last], durations=durations) if durations else Sequence([turn, lift, last])
+        hit = fc.first_new_contact(ball.moving(motion), socket)
+        if time is None:
+            assert hit.status is Status.FREE
+            continue
+        begin, end = (Fraction(2, 3), Fraction(1)) if durations is None else (Fraction(1), Fraction(6))
+        lo, hi = map(Fraction, hit.time_interval)
+        assert hit.status is Status.CONTACT and lo <= begin + (end - begin) * time <= hi

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firstcontact import query
 from firstcontact.assembly.kept import generators, parting, standing
 from firstcontact.assembly.new_contact import Lasts, NewContactQuery, after_start, earliest, renamed
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
@@ -254,8 +253,7 @@ def _edges(corners: Sequence[int]) -> Iterator[tuple[int, int]]:
 
 def _met_at_start(sides: tuple[Mesh, Mesh], asking: NewContactQuery) -> set[tuple[int, int]] | None:
     """Pairs of triangles, among them all that share a point at the start; None of sheets that pierce each other."""
-    first, _ = asking.span
-    found = query.contact_pairs(sides[0].body, sides[1].body, (first, first))
+    found = asking.pairs_at_start(sides[0].body, sides[1].body)
     if len(found.piercing) and not (sides[0].shape.solid or sides[1].shape.solid):
         return None
     met: set[tuple[int, int]] = set()

@@ -8,19 +8,29 @@ too, is a new one.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from firstcontact import query
 from firstcontact.assembly.kept import step_ends
 from firstcontact.body.compound.compound import both_taken_in
 from firstcontact.contact.plain import plainly
 from firstcontact.contact.ways import tried
-from firstcontact.exact.numbers import exact_value, fraction, to_double
+from firstcontact.exact.numbers import above, exact_value, fraction, to_double
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.span import common_span
-from firstcontact.result import WITHIN, ContactIntervals, Element, ElementPair, FirstContact, Status
+from firstcontact.result import (
+    WITHIN,
+    ContactInterval,
+    ContactIntervals,
+    ContactPairs,
+    Element,
+    ElementPair,
+    FirstContact,
+    Stats,
+    Status,
+)
 from firstcontact.work import Progress
 
 if TYPE_CHECKING:
@@ -32,6 +42,8 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import AnyBody, Body
     from firstcontact.exact.numbers import Given
     from firstcontact.work import Arguments
+
+R = TypeVar("R", FirstContact, ContactIntervals, ContactPairs)
 
 TOUCHING = "touching at the start"
 WITHIN_TRIANGLES = "no deeper than twice what their triangles deviate from the file's"
@@ -45,13 +57,14 @@ LASTING = "contact"
 class NewContactQuery:
     """The verbs' arguments for every question about two bodies, or parts of them, from `first` to `last` (or None).
 
-    is_apart: whether it is known that their interiors do not meet at the start.
+    is_apart: whether it is known that their interiors do not meet at the start.  done: the work of all that was asked.
     """
 
     first: fmpq
     last: fmpq | None
     arguments: Arguments
     is_apart: bool = True
+    done: list[Stats] = field(default_factory=list)
 
     @property
     def start(self) -> float:
@@ -64,14 +77,23 @@ class NewContactQuery:
     def first_contact(self, a: Body, b: Body, since: Fraction | None = None) -> FirstContact:
         """Over the span, or from a later time on."""
         first, last = self.span
-        return query.first_contact(a, b, (first if since is None else since, last), **self.arguments)
+        return self._noted(query.first_contact(a, b, (first if since is None else since, last), **self.arguments))
 
-    def intervals(self, a: Body, b: Body) -> ContactIntervals:
-        return query.contact_intervals(a, b, self.span, **self.arguments)
+    def intervals(self, a: Body, b: Body, exact: bool = False) -> ContactIntervals:
+        arguments = self.arguments | {"exact": True} if exact else self.arguments
+        return self._noted(query.contact_intervals(a, b, self.span, **arguments))
 
     def at_start(self, a: Body, b: Body) -> FirstContact:
         first, _ = self.span
-        return query.first_contact(a, b, (first, first))
+        return self._noted(query.first_contact(a, b, (first, first)))
+
+    def pairs_at_start(self, a: Body, b: Body) -> ContactPairs:
+        first, _ = self.span
+        return self._noted(query.contact_pairs(a, b, (first, first)))
+
+    def _noted(self, answer: R) -> R:
+        self.done.append(answer.stats)
+        return answer
 
     def undecided(self, reason: str | None, until: float | None = None) -> FirstContact:
         return FirstContact(Status.UNDECIDED, free_until=self.start if until is None else until, reason=reason)
@@ -159,7 +181,7 @@ def _after_touch(first: FirstContact, span: Sequence[Given] | None, arguments: A
         a, b = (plainly(body, asking.first, asking.last) for body in (first.a, first.b))
         if a is not first.a or b is not first.b:
             found = _of_bodies(a, b, asking)
-    work = first.stats + found.stats
+    work = replace(sum(asking.done, first.stats), ways=first.stats.ways + found.stats.ways)
     if first.initial is None and found.status is Status.UNDECIDED:  # they may as well overlap
         return replace(first, stats=work)
     return replace(
@@ -231,7 +253,7 @@ def after_start(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
     """The first contact of bodies whose contact at the start, if any, ends at once.  Raises Lasts where it does not."""
     found, k, begin = asking.intervals(a, b), 0, asking.start
     if len(found) and found[0].start_interval[0] <= begin:
-        if found[0].end_interval != (begin, begin):
+        if found[0].end_interval != (begin, begin) and not _ends_at_once(found[0], a, b, asking):
             raise Lasts
         k = 1
     if len(found) <= k:
@@ -247,13 +269,21 @@ def after_start(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
     return asking.first_contact(a, b, fraction(free))
 
 
+def _ends_at_once(contact: ContactInterval, a: Body, b: Body, asking: NewContactQuery) -> bool:
+    """Whether contact at a start that is no double is of that instant alone, exactly."""
+    if contact.end_interval[1] > above(asking.first):
+        return False
+    told = tried(lambda: asking.intervals(a, b, exact=True))
+    return isinstance(told, ContactIntervals) and len(told) > 0 and told[0].end_exact == fraction(asking.first)
+
+
 def _lasting(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
     """A new contact at once, where the bodies overlap soon after the start; else it is open."""
     length = exact_value(1.0) if asking.last is None else asking.last - asking.first
     soon = to_double(asking.first + length * exact_value(min(asking.arguments["tolerance"], 1e-12)))
     if not asking.start < soon or not asking.is_apart:  # the span is one instant, or nearly
         return asking.undecided(LASTING)
-    then = query.first_contact(a, b, (soon, soon))
+    then = asking._noted(query.first_contact(a, b, (soon, soon)))
     if then.initial not in ("overlapping", "containment"):
         return asking.undecided(LASTING)
     told = then if then.element_a is not None else asking.at_start(a, b)

@@ -11,6 +11,7 @@ from flint import arb, ctx
 from firstcontact.body.solid.carriers import Plane
 from firstcontact.body.solid.composite_quadric import SINGULAR, CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
+from firstcontact.contact.leading import leads
 from firstcontact.contact.models.algorithm import Candidate, CandidateSearch, Meeting, Root
 from firstcontact.contact.models.contact_sets import cartesian
 from firstcontact.contact.models.largest_set import NEAR, largest_set
@@ -48,7 +49,7 @@ def contact_of(
 ) -> FirstContact:
     """The CONTACT result, the lowest (kind, index) of the simultaneous pairs first."""
     pair, root = search.pair, meetings[0].candidate.root
-    named = ranked(pair, meetings)
+    named = ranked(pair, meetings, leads(shared["a"], shared["b"]))
     (lowest, meeting), *rest = named
     time, interval = world_time(pair, root)
     if (open_from := search.open_from()) is not None:  # narrower than any tolerance, but not decided
@@ -72,8 +73,8 @@ def _contact_set(pair: MovingPair, root: Root, meetings: Sequence[Meeting], b: B
     return ContactSet(kind, to_world(pair, root, points, b, time))
 
 
-def ranked(pair: MovingPair, meetings: Sequence[Meeting]) -> list[tuple[ElementPair, Meeting]]:
-    """Each pair of elements once, lowest first."""
+def ranked(pair: MovingPair, meetings: Sequence[Meeting], a_leads: bool) -> list[tuple[ElementPair, Meeting]]:
+    """Each pair of elements once, lowest first, by those of the body that leads."""
     seen: dict[ElementPair, Meeting] = {}
     for meeting in meetings:
         task, where = meeting.candidate.subproblem, meeting.shared.points[0]
@@ -86,7 +87,11 @@ def ranked(pair: MovingPair, meetings: Sequence[Meeting]) -> list[tuple[ElementP
             meeting,
         )
 
-    return sorted(seen.items(), key=lambda item: (*rank(item[0].element_a), *rank(item[0].element_b)))
+    def order(item: tuple[ElementPair, Meeting]) -> tuple[int, ...]:
+        ranks = rank(item[0].element_a), rank(item[0].element_b)
+        return (*ranks[0], *ranks[1]) if a_leads else (*ranks[1], *ranks[0])
+
+    return sorted(seen.items(), key=order)
 
 
 def rank(x: Element) -> tuple[int, int]:

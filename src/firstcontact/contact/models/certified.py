@@ -17,6 +17,7 @@ from flint import fmpq
 from firstcontact.body.kept import Kept
 from firstcontact.body.solid import primitives
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
+from firstcontact.contact.leading import leads
 from firstcontact.contact.models.flat_contacts import FlatShared, Pair, shared_set
 from firstcontact.contact.models.kept_directions import turning_axes
 from firstcontact.contact.models.same_point import may_touch_more, near_surfaces, pairs_at
@@ -226,7 +227,7 @@ def _is_complete(on: _On) -> bool:
 
 
 def _named(on: tuple[_On, _On], pairs: list[Pair]) -> Named:
-    """Each pair of elements once, with where it meets, lowest first."""
+    """Each pair of elements once, with where it meets, lowest first, by those of the body that leads."""
     a, b = on
     model_a, model_b = a.known.model, b.known.model
     seen: dict[tuple[tuple[int, int], tuple[int, int]], tuple[Element, Element, Point]] = {}
@@ -235,7 +236,8 @@ def _named(on: tuple[_On, _On], pairs: list[Pair]) -> Named:
         rank_a, element_a = ranked(model_a, x, "a", where if model_a.source is None else a.local(where))
         rank_b, element_b = ranked(model_b, y, "b", where if model_b.source is None else b.local(where))
         seen.setdefault((rank_a, rank_b), (element_a, element_b, where))
-    return [seen[ranks] for ranks in sorted(seen)]
+    a_leads = len(seen) < 2 or leads(a.body, b.body)
+    return [seen[ranks] for ranks in sorted(seen, key=lambda ranks: ranks if a_leads else ranks[::-1])]
 
 
 Directions = Listing[tuple[Any, Point | None]]

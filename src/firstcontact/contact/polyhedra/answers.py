@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from firstcontact.contact.leading import leads
 from firstcontact.contact.polyhedra.earliest import FoundFirst, Pair, Problem, Searched, Window, pairs_at_start
 from firstcontact.contact.polyhedra.facing import NEAR, best_apart
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
@@ -51,7 +52,7 @@ def element_pairs(a: Body, b: Body, pairs: list[Pair]) -> list[tuple[ElementPair
     then of the other one: so bodies given the other way round have the same pairs in the same order.
     """
     first, second = a.name or "a", b.name or "b"
-    a_leads = len(pairs) < 2 or _leads(a, b)
+    a_leads = len(pairs) < 2 or leads(a, b)
 
     def order(pair: Pair) -> tuple[Feature, Feature]:
         return (pair[1], pair[2]) if a_leads else (pair[2], pair[1])
@@ -61,18 +62,6 @@ def element_pairs(a: Body, b: Body, pairs: list[Pair]) -> list[tuple[ElementPair
         seen.setdefault((_users(a, pair[1]), _users(b, pair[2])), pair)
     named = sorted(seen, key=lambda users: users if a_leads else users[::-1])
     return [(ElementPair(_named(first, x), _named(second, y)), seen[x, y]) for x, y in named]
-
-
-def _leads(a: Body, b: Body) -> bool:
-    """Whether a comes first whichever way round the two are given: the one that moves, else by name and shape."""
-    moves = isinstance(a, Moving), isinstance(b, Moving)
-    return moves[0] if moves[0] != moves[1] else _signature(a) <= _signature(b)
-
-
-def _signature(body: Any) -> tuple[Hashable, ...]:
-    moving = isinstance(body, Moving)
-    shape = body.body if moving else body
-    return body.name or "", len(shape.vertices), shape.vertices.tobytes(), repr(body.motion.to_dict()) if moving else ""
 
 
 def _named(name: str, element: Feature) -> Element:
