@@ -58,7 +58,9 @@ def _in_balls(query: Query, proved: FirstContact) -> FirstContact | Passed:
 
 def _are_in_doubt(query: Query, proved: FirstContact | None) -> bool:
     """Whether shifts or turns were left open, as they may be in irrational poses."""
-    if proved is None or query.exact or query.last is None or query.engine not in ("auto", "boxes"):
+    if proved is None or proved.reason != "precision" or query.exact or query.last is None:
+        return False
+    if query.engine not in ("auto", "boxes"):
         return False
     return any(isinstance(piece, MotionPiece) for piece in _pieces(query))
 
