@@ -214,3 +214,24 @@ def test_steps_that_meet_at_no_double(durations):
         begin, end = (Fraction(2, 3), Fraction(1)) if durations is None else (Fraction(1), Fraction(6))
         lo, hi = map(Fraction, hit.time_interval)
         assert hit.status is Status.CONTACT and lo <= begin + (end - begin) * time <= hi
+
+
+def of_boxes(*corners):
+    """Boxes between two corners each, as one mesh."""
+    unit = fc.examples.box((1, 1, 1))
+    places = [
+        [lo[k] + (hi[k] - lo[k]) * (p[k] + 0.5) for k in range(3)] for lo, hi in corners for p in unit.vertices.tolist()
+    ]
+    triangles = unit.triangles.tolist()
+    return fc.Polyhedron(places, [[8 * k + i for i in face] for k in range(len(corners)) for face in triangles])
+
+
+def test_bodies_on_both_sides_of_one_plane():
+    """One rests on the other's floor left of the middle, and is under its lip right of it, both at height 0."""
+    lower = of_boxes(((-4, -1, -2), (-1, 1, 0)), ((1, -1, 0), (4, 1, 1)))
+    upper = of_boxes(((-3, -1, 0), (-2, 1, 1)), ((2, -1, -1), (3, 1, 0)))
+    for motion in (Translation((0, 1, 0)), Translation((0.5, 3, 0))):
+        for pair in ((upper.moving(motion), lower), (lower, upper.moving(motion))):
+            assert fc.first_new_contact(*pair).status is Status.FREE
+    hit = fc.first_new_contact(upper.moving(Translation((0, 0, 1))), lower)
+    assert hit.status is Status.CONTACT and hit.time == 0.0  # the lip holds it down

@@ -280,16 +280,14 @@ def _stars(sides: tuple[Mesh, Mesh], met: set[tuple[int, int]], by: list[Rows] |
         return []
     stars: dict[tuple[Plane, int], Star] = {}
     for pair in sorted(met):
-        for plane in {mesh.plane(x) for mesh, x in zip(sides, pair, strict=True)} - {None}:
-            assert plane is not None
-            off = parting(plane, by)
-            if off is None or (plane, 1) in stars or (plane, -1) in stars:
+        for plane in dict.fromkeys(mesh.plane(x) for mesh, x in zip(sides, pair, strict=True)):
+            if plane is None or (off := parting(plane, by)) is None:
                 continue
             own, other = (mesh.side(x, plane) for mesh, x in zip(sides, pair, strict=True))
             if own is None or own == other or other is None:  # across it, on the same side, or both without an inside
                 continue
             side = own or -other
-            if off in (0, side):
+            if off in (0, side) and (plane, side) not in stars:
                 stars[plane, side] = sides[0].star(plane, side), sides[1].star(plane, -side)
     return list(stars.values())
 

@@ -65,6 +65,8 @@ def in_one_turn(ask: Callable[[Query], FirstContact], query: Query) -> FirstCont
 
 def _full_turn(piece: MotionPiece) -> fmpq:
     """A time by which a rotation has come round."""
+    if piece.rate[0] == 0:
+        return piece.start + 1 / abs(piece.rate[1])
     with precision(64):
         rate = angle_ball(piece.rate[0], "radians") + angle_ball(piece.rate[1], "turns")
         return piece.start + exact_value(ball_bounds(abs(2 * arb.pi() / rate))[1])
