@@ -84,8 +84,10 @@ class NewContactQuery:
         return self._noted(query.contact_intervals(a, b, self.span, **arguments))
 
     def at_start(self, a: Body, b: Body) -> FirstContact:
-        first, _ = self.span
-        return self._noted(query.first_contact(a, b, (first, first)))
+        return self.at(a, b, self.span[0])
+
+    def at(self, a: Body, b: Body, time: Fraction | float) -> FirstContact:
+        return self._noted(query.first_contact(a, b, (time, time)))
 
     def pairs_at_start(self, a: Body, b: Body) -> ContactPairs:
         first, _ = self.span
@@ -253,7 +255,7 @@ def after_start(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
     """The first contact of bodies whose contact at the start, if any, ends at once.  Raises Lasts where it does not."""
     found, k, begin = asking.intervals(a, b), 0, asking.start
     if len(found) and found[0].start_interval[0] <= begin:
-        if found[0].end_interval != (begin, begin) and not _ends_at_once(found[0], a, b, asking):
+        if not _ends_at_once(found[0], a, b, asking):
             raise Lasts
         k = 1
     if len(found) <= k:
@@ -270,7 +272,9 @@ def after_start(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
 
 
 def _ends_at_once(contact: ContactInterval, a: Body, b: Body, asking: NewContactQuery) -> bool:
-    """Whether contact at a start that is no double is of that instant alone, exactly."""
+    """Whether contact is of the start alone: where that is no double, exact ends tell."""
+    if contact.end_interval == (asking.start, asking.start):
+        return True
     if contact.end_interval[1] > above(asking.first):
         return False
     told = tried(lambda: asking.intervals(a, b, exact=True))
@@ -283,7 +287,7 @@ def _lasting(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
     soon = to_double(asking.first + length * exact_value(min(asking.arguments["tolerance"], 1e-12)))
     if not asking.start < soon or not asking.is_apart:  # the span is one instant, or nearly
         return asking.undecided(LASTING)
-    then = asking._noted(query.first_contact(a, b, (soon, soon)))
+    then = asking.at(a, b, soon)
     if then.initial not in ("overlapping", "containment"):
         return asking.undecided(LASTING)
     told = then if then.element_a is not None else asking.at_start(a, b)

@@ -16,7 +16,6 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact import centred, common_shift, jumps, linked, plain
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.span import refuse_late
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import Query
@@ -165,17 +164,11 @@ def _answer(verb: str, query: Query) -> Any:
     refuse_late((query.first, query.last))
     own = partial(getattr(centred, verb), getattr(_curved(kinds, query), verb))
     near = partial(getattr(jumps, verb), partial(common_shift.asked, own))
-    if query.last is not None and (verb == "intervals" or not _turns(query)):
-        return _said(near(query), query)
     from firstcontact.contact import endless
 
-    if query.last is not None:
-        return _said(endless.in_one_turn(near, query), query)
-    return _said(getattr(endless, verb)(near, query), query)
-
-
-def _turns(query: Query) -> bool:
-    return any(isinstance(x, Moving) and isinstance(x.motion, Rotation) for x in query.bodies)
+    if query.last is None:
+        return _said(getattr(endless, verb)(near, query), query)
+    return _said(near(query) if verb == "intervals" else endless.in_one_turn(near, query), query)
 
 
 def _said(answer: R, query: Query) -> R:

@@ -49,7 +49,7 @@ def contact_of(
 ) -> FirstContact:
     """The CONTACT result, the lowest (kind, index) of the simultaneous pairs first."""
     pair, root = search.pair, meetings[0].candidate.root
-    named = ranked(pair, meetings, leads(shared["a"], shared["b"]))
+    named = ranked(pair, meetings, (shared["a"], shared["b"]))
     (lowest, meeting), *rest = named
     time, interval = world_time(pair, root)
     if (open_from := search.open_from()) is not None:  # narrower than any tolerance, but not decided
@@ -73,8 +73,10 @@ def _contact_set(pair: MovingPair, root: Root, meetings: Sequence[Meeting], b: B
     return ContactSet(kind, to_world(pair, root, points, b, time))
 
 
-def ranked(pair: MovingPair, meetings: Sequence[Meeting], a_leads: bool) -> list[tuple[ElementPair, Meeting]]:
-    """Each pair of elements once, lowest first, by those of the body that leads."""
+def ranked(
+    pair: MovingPair, meetings: Sequence[Meeting], bodies: tuple[Body, Body]
+) -> list[tuple[ElementPair, Meeting]]:
+    """Each pair of elements once, lowest first, by those of the body of the question that leads."""
     seen: dict[ElementPair, Meeting] = {}
     for meeting in meetings:
         task, where = meeting.candidate.subproblem, meeting.shared.points[0]
@@ -86,6 +88,7 @@ def ranked(pair: MovingPair, meetings: Sequence[Meeting], a_leads: bool) -> list
             ),
             meeting,
         )
+    a_leads = len(seen) < 2 or leads(*bodies)
 
     def order(item: tuple[ElementPair, Meeting]) -> tuple[int, ...]:
         ranks = rank(item[0].element_a), rank(item[0].element_b)

@@ -32,7 +32,7 @@ from firstcontact.search.events.events import MOST_BOXES, first_event
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Model
+    from firstcontact.body.kinds import Body, Model
     from firstcontact.motion.kinds import AnyMotion
 
 LARGEST = 2.0**60
@@ -186,7 +186,7 @@ def contact(models: tuple[Model, Model], found: Advance, query: Query) -> tuple[
                 shares = None  # a point, but which further pairs meet there is not known
         elif (flat := _flat_set(models, (on_a, on_b), (flats_a, flats_b), found, point)) is not None:
             shares = flat.kind, flat.points
-            named = _named((on_a, on_b), flat.pairs, leads(*query.bodies))
+            named = _named((on_a, on_b), flat.pairs, query.bodies)
     known = {
         "status": Status.CONTACT, "time": found.time, "time_interval": found.time_interval, "time_exact": None,
         "element_a": named[0][0], "element_b": named[0][1], "initial": None, "free_until": found.time_interval[0],
@@ -226,8 +226,8 @@ def _is_complete(on: _On) -> bool:
     return on.known.surfaces.issuperset(near_surfaces(on.known.model, on.where))
 
 
-def _named(on: tuple[_On, _On], pairs: list[Pair], a_leads: bool) -> Named:
-    """Each pair of elements once, with where it meets, lowest first, by those of the body that leads."""
+def _named(on: tuple[_On, _On], pairs: list[Pair], bodies: tuple[Body, Body]) -> Named:
+    """Each pair of elements once, with where it meets, lowest first, by those of the one of the bodies that leads."""
     a, b = on
     model_a, model_b = a.known.model, b.known.model
     seen: dict[tuple[tuple[int, int], tuple[int, int]], tuple[Element, Element, Point]] = {}
@@ -236,6 +236,7 @@ def _named(on: tuple[_On, _On], pairs: list[Pair], a_leads: bool) -> Named:
         rank_a, element_a = ranked(model_a, x, "a", where if model_a.source is None else a.local(where))
         rank_b, element_b = ranked(model_b, y, "b", where if model_b.source is None else b.local(where))
         seen.setdefault((rank_a, rank_b), (element_a, element_b, where))
+    a_leads = len(seen) < 2 or leads(*bodies)
     return [seen[ranks] for ranks in sorted(seen, key=lambda ranks: ranks if a_leads else ranks[::-1])]
 
 
