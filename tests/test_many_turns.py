@@ -124,3 +124,10 @@ def test_a_curved_body_beside_one_that_makes_many_turns(turns):
         found = verb(disc.moving(screw), BALL)
         begin = found.time if verb is fc.first_contact else found[0].start
         assert found.status is Status.CONTACT and begin == pytest.approx(0.5, abs=1e-9)
+
+
+def test_a_surface_that_rises_while_it_turns_does_not_come_round():
+    """It is under the ceiling after half of three turns, not in the first one."""
+    rising, ceiling = fc.RuledSurface("(1,u,2*T)", "(2,u,2*T)"), fc.box((10, 10, 1)).translated((0, 0, "3/2"))
+    hit = fc.first_contact(rising.moving(fc.Rotation((0, 0, 1), turns=3)), ceiling)
+    assert hit.status is Status.CONTACT and hit.time == 0.5

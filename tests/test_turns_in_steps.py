@@ -59,6 +59,22 @@ def test_a_turn_back(there, back):
         assert found.time == pytest.approx(float((1 + passed) / 2), abs=1e-15)
 
 
+@pytest.mark.parametrize("axis", [(0, 1, 0), (0, -3, 0)])
+@pytest.mark.parametrize("unit", ["turns", "radians"])
+def test_a_second_turn_goes_on_from_the_first_one(axis, unit):
+    """About the same line, given either way along it: as all of it in one turn; a tip meets the wall's top."""
+    tip = fc.Polyhedron([(1, 0, 0.25), (2, 0, 0.5), (1.5, 0.5, 0.5)], [[0, 1, 2]])
+    way = 1 if axis[1] > 0 else -1
+    for first, second in (("1/8", "3/4"), ("3/2", "-9/4"), ("-1/8", "-1/2")):
+        steps = [Rotation(AXIS, **{unit: first}), Rotation(axis, **{unit: way * Fraction(second)})]
+        found = fc.contact_intervals(tip.moving(Sequence(steps)), WALL, ("1/2", 1))
+        whole = fc.contact_intervals(tip.moving(Rotation(AXIS, **{unit: 1})), WALL, (-4, 4))  # angles are its times
+        begun, share = Fraction(first), Fraction(second)
+        ends = [sorted(0.5 + 0.5 * float((Fraction(t) - begun) / share) for t in (x.start, x.end)) for x in whole]
+        ends = sorted([max(lo, 0.5), min(hi, 1.0)] for lo, hi in ends if hi > 0.5 and lo < 1.0)
+        assert [[x.start, x.end] for x in found] == [pytest.approx(x, abs=1e-12) for x in ends]
+
+
 AWAY = Rotation((0, 0, 1), turns="1/8")
 
 

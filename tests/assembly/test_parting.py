@@ -235,3 +235,15 @@ def test_bodies_on_both_sides_of_one_plane():
             assert fc.first_new_contact(*pair).status is Status.FREE
     hit = fc.first_new_contact(upper.moving(Translation((0, 0, 1))), lower)
     assert hit.status is Status.CONTACT and hit.time == 0.0  # the lip holds it down
+
+
+def test_a_bar_across_a_pin_has_its_corners_outside_the_pin_s_cylinder():
+    """The foot of a bracket is beside the pin, which it touches along a line, and its bar comes down on the pin's end.
+
+    All corners of the mesh are outside the cylinder that the motion keeps, but not the bar.
+    """
+    pin, bracket = fc.cylinder(1, 2), of_boxes(((1, -1, -1), (2, 1, 1)), ((-3, -0.5, 3), (3, 0.5, 4)))
+    for pair in ((bracket.moving(Translation((0, 0, -4))), pin), (pin, bracket.moving(Translation((0, 0, -4))))):
+        hit = fc.first_new_contact(*pair)
+        assert hit.status is Status.CONTACT and hit.time == 0.5
+    assert fc.first_new_contact(bracket.moving(Translation((0, 0, -1))), pin).status is Status.FREE
