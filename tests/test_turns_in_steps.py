@@ -59,20 +59,28 @@ def test_a_turn_back(there, back):
         assert found.time == pytest.approx(float((1 + passed) / 2), abs=1e-15)
 
 
+STEPS = {
+    "turns": [("1/8", "3/4"), ("3/2", "-9/4"), ("-1/8", "-1/2"), ("1/8", "-1/12", "2/3"), ("-1/7", "3/2", "-2")],
+    "radians": [("1", "5"), ("9", "-14"), ("-1", "-4"), ("2", "-1/2", "4"), ("-1", "4", "-7")],
+}
+
+
 @pytest.mark.parametrize("axis", [(0, 1, 0), (0, -3, 0)])
-@pytest.mark.parametrize("unit", ["turns", "radians"])
-def test_a_second_turn_goes_on_from_the_first_one(axis, unit):
+@pytest.mark.parametrize(("unit", "angles"), [(unit, angles) for unit, steps in STEPS.items() for angles in steps])
+def test_the_last_turn_goes_on_from_those_before_it(axis, unit, angles):
     """About the same line, given either way along it: as all of it in one turn; a tip meets the wall's top."""
     tip = fc.Polyhedron([(1, 0, 0.25), (2, 0, 0.5), (1.5, 0.5, 0.5)], [[0, 1, 2]])
     way = 1 if axis[1] > 0 else -1
-    for first, second in (("1/8", "3/4"), ("3/2", "-9/4"), ("-1/8", "-1/2")):
-        steps = [Rotation(AXIS, **{unit: first}), Rotation(axis, **{unit: way * Fraction(second)})]
-        found = fc.contact_intervals(tip.moving(Sequence(steps)), WALL, ("1/2", 1))
-        whole = fc.contact_intervals(tip.moving(Rotation(AXIS, **{unit: 1})), WALL, (-4, 4))  # angles are its times
-        begun, share = Fraction(first), Fraction(second)
-        ends = [sorted(0.5 + 0.5 * float((Fraction(t) - begun) / share) for t in (x.start, x.end)) for x in whole]
-        ends = sorted([max(lo, 0.5), min(hi, 1.0)] for lo, hi in ends if hi > 0.5 and lo < 1.0)
-        assert [[x.start, x.end] for x in found] == [pytest.approx(x, abs=1e-12) for x in ends]
+    *before, share = map(Fraction, angles)
+    begun, n = sum(before), len(angles)
+    about = [(AXIS, 1) if k % 2 == 0 else (axis, way) for k in range(n)]
+    steps = [Rotation(line, **{unit: sense * Fraction(x)}) for x, (line, sense) in zip(angles, about, strict=True)]
+    from_ = Fraction(n - 1, n)
+    found = fc.contact_intervals(tip.moving(Sequence(steps)), WALL, (from_, 1))
+    whole = fc.contact_intervals(tip.moving(Rotation(AXIS, **{unit: 1})), WALL, (-15, 15))  # angles are its times
+    ends = [sorted(float(from_ + (Fraction(t) - begun) / share / n) for t in (x.start, x.end)) for x in whole]
+    ends = sorted([max(lo, float(from_)), min(hi, 1.0)] for lo, hi in ends if hi > from_ and lo < 1)
+    assert ends and [[x.start, x.end] for x in found] == [pytest.approx(x, abs=1e-12) for x in ends]
 
 
 AWAY = Rotation((0, 0, 1), turns="1/8")
