@@ -78,3 +78,16 @@ def test_what_doubles_tell_of_many_pairs(flat):
             assert (told | met)[is_proper].all()
         turned = Rotation((1, 2, 3), radians=1)(1.0)[:3, :3]  # roundings everywhere
         assert not (apart_in_doubles(a @ turned.T, b @ turned.T, turned @ shift, 1e-13) & met).any()
+
+
+@pytest.mark.parametrize("far", [0, 2**20])
+def test_roundings_of_doubles_never_part_what_touches(far):
+    """Corners of which no digit is lost: one of each comes upon one of the other, as the shift ends or before."""
+    seed = 31
+    print("seed", seed)
+    rng = np.random.default_rng(seed)
+    a, b = (far + rng.integers(-(2**24), 2**24, (4000, 3, 3)) / 2.0**24 for _ in range(2))
+    shift = rng.integers(-(2**24), 2**24, 3) / 2.0**24
+    part = rng.choice([0.25, 0.5, 1.0], 4000)
+    b[:, 0] = a[:, 0] + part[:, None] * shift
+    assert not apart_in_doubles(a, b, shift, 0.0).any()
