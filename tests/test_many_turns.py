@@ -124,6 +124,12 @@ def test_a_curved_body_beside_one_that_makes_many_turns(turns):
         found = verb(disc.moving(screw), BALL)
         begin = found.time if verb is fc.first_contact else found[0].start
         assert found.status is Status.CONTACT and begin == pytest.approx(0.5, abs=1e-9)
+    rising = BOX.translated((2, 0, 0)).moving(screw)  # its lid is at 1/2 + 2 t, its corners at 6.5^1/2 from the axis
+    hit, near = fc.first_contact(rising, BALL), 1.5 / turns
+    due = (1.5 - (1 - (3 - 6.5**0.5) ** 2) ** 0.5) / 2  # the ball is that near to the axis then
+    assert hit.status is Status.CONTACT and due <= hit.time <= due + near
+    assert fc.first_contact(rising, BALL, (hit.time - near, 1)).time == pytest.approx(hit.time, abs=1e-12)
+    assert fc.first_contact(rising, BALL, (0, hit.time - 1e-9)).status is Status.FREE
 
 
 def test_a_surface_that_rises_while_it_turns_does_not_come_round():
