@@ -173,16 +173,24 @@ def test_wrong_files_and_links_are_named():
         (('<child link="lower"/>', '<child link="ball"/>'), "names the link 'ball', which is not there"),
         (("</robot>", ""), "no XML (no element found"),
         (('size="0.03 0.03 0.3"', 'size="0.03 0.03"'), "link 'lower': collision 0: size of its box is '0.03 0.03'"),
-        (('size="0.03 0.03 0.3"', 'size="0.03"'), "give 3 numbers"),
-        (('axis xyz="0 0 1"', 'axis xyz="0 0"'), "joint 'turn': xyz of its axis is '0 0'; give 3 numbers"),
+        (('size="0.03 0.03 0.3"', 'size="0.03"'), "give 3 finite numbers"),
+        (('axis xyz="0 0 1"', 'axis xyz="0 0"'), "joint 'turn': xyz of its axis is '0 0'; give 3 finite numbers"),
         (('axis xyz="0 0 1"', 'axis xyz="0 0 0"'), "joint 'turn': its axis is 0 0 0"),
         (('<sphere radius="0.06"/>', "<mesh/>"), "link 'shade': collision 0: its mesh has no filename"),
         (('<sphere radius="0.06"/>', '<mesh filename="a.stl" scale="1 1"/>'), "scale of its mesh is '1 1'"),
         (('<sphere radius="0.06"/>', '<mesh filename="a.stl" scale="0 1 1"/>'), "give numbers other than 0"),
         (('<sphere radius="0.06"/>', '<sphere radius="0.06"/><sphere radius="1"/>'), "2 shapes in one geometry"),
         (('radius="0.1"', 'radius="-0.1"'), "link 'foot': collision 0: the radius of its cylinder is '-0.1'"),
-        (('radius="0.1"', 'radius="0,1"'), "radius of its cylinder is '0,1'; give one number"),
-        (('radius="0.1"', ""), "radius of its cylinder is None; give one number"),
+        (('radius="0.1"', 'radius="0,1"'), "radius of its cylinder is '0,1'; give one finite number"),
+        (('radius="0.1"', ""), "radius of its cylinder is None; give one finite number"),
+        (('radius="0.1"', 'radius="inf"'), "radius of its cylinder is 'inf'; give one finite number"),
+        (('<sphere radius="0.06"/>', "<cone/>"), "link 'shade': collision 0 is a cone; give one of box, cylinder"),
+        (('<sphere radius="0.06"/>', ""), "link 'shade': collision 0 has no shape"),
+        (('<geometry><sphere radius="0.06"/></geometry>', ""), "link 'shade': collision 0 has 0 geometries"),
+        (('<sphere radius="0.06"/>', '<mesh filename="no.stl"/>'), "no.stl is not there"),
+        (('xyz="0 0 0.2"', 'xyz="0 0 nan"'), "xyz of its origin is '0 0 nan'"),
+        (('<link name="shade">', '<link name="foot"/><link name="shade">'), "two links are called 'foot'"),
+        (('lower="', 'lower="-1 '), "lower of its limit is '-1 "),
         (('xyz="0 0 0.2"', 'xyz="0 0"'), "xyz of its origin is '0 0'"),
         (('<child link="lower"/>', ""), "joint 'turn' has no child"),
         (('name="tilt"', ""), "a joint has no name"),
@@ -196,6 +204,12 @@ def test_faults_of_descriptions(tmp_path, change, fault, capsys):
     assert fault in told and len(told.strip().splitlines()) == 1
 
 
+def points(*positions, **more):
+    """A JointTrajectory of joint `turn`, as JSON."""
+    rows = [{"positions": x, "time_from_start": k, **more} for k, x in enumerate(positions)]
+    return json.dumps({"joint_names": ["turn"], "points": rows})
+
+
 @pytest.mark.parametrize(
     ("name", "text", "fault"),
     [
@@ -203,8 +217,15 @@ def test_faults_of_descriptions(tmp_path, change, fault, capsys):
         ("q.csv", "time,turn\n0,0\n1\n", "line 3 has 1 values"),
         ("q.csv", "time,neck\n0,0\n1,1\n", "no joint 'neck' takes a value"),
         ("q.json", "{}", "no JointTrajectory"),
-        ("q.json", '{"joint_names": ["turn"], "points": [{"positions": [0, 1], "time_from_start": 0}]}', "(1, 2)"),
-        ("q.npz", "no", "no arrays"),
+        ("q.json", "[]", "no JointTrajectory"),
+        ("q.json", '{"joint_names": ["turn"], "points": []}', "0 points"),
+        ("q.json", points([0, 1], [1]), "points[0]: positions are [0, 1]; give 1 numbers"),
+        ("q.json", points([0], [1], velocities=[0, 1]), "points[0]: velocities are [0, 1]; give 1 numbers"),
+        ("q.json", points([0], [None]), "points[1]: positions of turn is None; give a number"),
+        ("q.json", points([0], [1], time_from_start=[]), "points[0]: time_from_start is []; give a number"),
+        ("q.csv", "time,turn\n0,0\n1,1\n0.5,2\n", "q.csv: times[2] does not lie after times[1]"),
+        ("q.npz", "no", "no archive of plain arrays"),
+        ("q.npz", "", "no archive of plain arrays"),
         ("q.txt", "", "suffix '.txt' is unknown"),
     ],
 )
@@ -214,6 +235,26 @@ def test_faults_of_trajectories(tmp_path, name, text, fault, capsys):
     assert run(["robot", str(LAMP), "--trajectory", str(path)]) == 3
     told = capsys.readouterr().err
     assert fault in told and len(told.strip().splitlines()) == 1
+
+
+def test_what_links_look_like_does_not_matter(tmp_path):
+    """Nor does what else describes them; the parser stops at shapes that it does not know."""
+    look = '<visual><geometry><cone/></geometry></visual><inertial><mass value="?"/></inertial>'
+    path = tmp_path / "lamp.urdf"
+    path.write_text(LAMP.read_text().replace('<link name="shade">', f'<link name="shade">{look}'))
+    assert fc.Robot.load(path).links.keys() == fc.Robot.load(LAMP).links.keys()
+
+
+def test_a_capsule(tmp_path):
+    """`length` is that of its cylinder: the ball of its end comes down to a plate."""
+    shape = '<collision><origin xyz="1 0 0" rpy="0 1.5707963267948966 0"/><geometry>{}</geometry></collision>'
+    link = shape.format('<capsule radius="0.25" length="2"/>')
+    (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="a">{link}</link></robot>')
+    (body,) = fc.Robot.load(tmp_path / "r.urdf").links["a"]
+    wall = fc.box((1, 4, 4)).translated((6, 0, 0))  # its face at 5.5, the capsule's end at 2.25
+    hit = fc.first_contact(body.moving(fc.Translation((10, 0, 0))), wall)
+    assert hit.time == pytest.approx(0.325, abs=1e-12)
+    assert fc.first_contact(body, fc.box((1, 1, 1)).translated((1.9, 0.7, 0.74))).status is fc.Status.FREE
 
 
 def test_without_yourdfpy_it_says_what_to_install(monkeypatch, capsys):

@@ -89,7 +89,10 @@ class Mechanism:
         """The course of a file: a table (CSV), arrays (NPZ) or a JointTrajectory of ROS (JSON), as the docs tell."""
         read = tables.read(path)
         velocities = read.velocities if interpolation == "cubic" else None
-        return self.course(read.times, read.values, interpolation=interpolation, velocities=velocities)
+        try:
+            return self.course(read.times, read.values, interpolation=interpolation, velocities=velocities)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from error
 
     def sweep(self, joint: str | None = None, *, at: JointValues | None = None) -> list[Sweep]:
         """The values of each joint, or of one, within its limits at which links share a point; others at `at`, or 0."""

@@ -6,12 +6,13 @@ import csv
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+from zipfile import BadZipFile
 
 import numpy as np
 from flint import fmpq
 
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational
 
 if TYPE_CHECKING:
@@ -57,17 +58,17 @@ def _csv(path: Path) -> Columns:
         if len(row) != len(names):
             raise InputError(f"{path}: line {number} has {len(row)} values, but there are {len(names)} names")
         for name, text in zip(names, row, strict=True):
-            _check_number(path, number, name, text)
+            _check_number(path, f"line {number}", name, text.strip())
     if len(set(names)) != len(names):
         raise InputError(f"{path}: two columns have one name; give each its own")
     return _split({name: [row[k].strip() for _, row in rows[1:]] for k, name in enumerate(names)})
 
 
-def _check_number(path: Path, number: int, name: str, text: str) -> None:
+def _check_number(path: Path, place: str, name: str, given: Given) -> None:
     try:
-        rational(text.strip(), name)
+        rational(given, name)
     except InputError as error:
-        raise InputError(f"{path}: line {number}: {error}") from error
+        raise InputError(f"{path}: {place}: {error}") from error
 
 
 def _split(columns: dict[str, list[Given]]) -> Columns:
@@ -82,8 +83,8 @@ def _npz(path: Path) -> Columns:
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
-    except ValueError as error:
-        raise InputError(f"{path}: no arrays ({error}); write them by numpy.savez") from error
+    except (ValueError, EOFError, BadZipFile) as error:
+        raise InputError(f"{path}: no archive of plain arrays; write them by numpy.savez") from error
     if "positions" not in arrays:
         return _split({name: array.tolist() for name, array in arrays.items()})
     names = [str(name) for name in arrays.get("joint_names", ())]
@@ -107,26 +108,40 @@ def _json(path: Path) -> Columns:
         raise InputError(f"{path}: no JSON ({error}); give a JointTrajectory") from error
     for key in ("joint_trajectory", "trajectory"):
         message = message.get(key, message) if isinstance(message, dict) else message
-    try:
-        names, points = [str(x) for x in message["joint_names"]], list(message["points"])
-        times = [_time(point["time_from_start"]) for point in points]
-        positions = [point["positions"] for point in points]
-    except (KeyError, TypeError) as error:
-        raise InputError(f"{path}: no JointTrajectory ({error}); it has joint_names, points, positions") from error
-    velocities = [point.get("velocities") for point in points]
-    try:
-        known = _by_name(path, "velocities", names, velocities) if all(velocities) else None
-        return Columns(times, _by_name(path, "positions", names, positions), known)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{path}: points of different lengths ({error}); give one number for each joint") from error
+    names, points = (message.get(key) if isinstance(message, dict) else None for key in ("joint_names", "points"))
+    if not isinstance(names, list) or not isinstance(points, list):
+        raise InputError(f"{path}: no JointTrajectory; give an object with joint_names and points, which are lists")
+    if len(points) < 2:
+        raise InputError(f"{path}: {len(points)} points; give at least two")
+    names = [str(x) for x in names]
+    times = [_time(f"{path}: points[{k}]", point) for k, point in enumerate(points)]
+    every = all(point.get("velocities") for point in points)
+    positions, velocities = (_in_columns(path, key, names, points) for key in ("positions", "velocities"))
+    return Columns(times, positions, velocities if every else None)
 
 
-def _time(value: Given | dict[str, Given]) -> Given:
+def _in_columns(path: Path, key: str, names: list[str], points: list[Any]) -> dict[str, list[Given]]:
+    """One number for each joint in each point that has any."""
+    for k, point in enumerate(points):
+        given = point.get(key)
+        if key == "velocities" and not given:
+            continue
+        if not isinstance(given, list) or len(given) != len(names):
+            raise InputError(f"{path}: points[{k}]: {key} are {shown(given)}; give {len(names)} numbers")
+        for name, value in zip(names, given, strict=True):
+            _check_number(path, f"points[{k}]", f"{key} of {name}", value)
+    return {name: [point[key][j] for point in points if point.get(key)] for j, name in enumerate(names)}
+
+
+def _time(who: str, point: Any) -> fmpq:
     """Seconds, exactly: a number, or whole seconds and nanoseconds."""
+    if not isinstance(point, dict) or "time_from_start" not in point:
+        raise InputError(f"{who} is {shown(point)}; give an object with positions and time_from_start")
+    value = point["time_from_start"]
     if not isinstance(value, dict):
-        return value
-    seconds = value.get("sec", value.get("secs", 0))
-    return rational(seconds, "sec") + rational(value.get("nanosec", value.get("nsecs", 0)), "nanosec") / fmpq(10) ** 9
+        return rational(value, f"{who}: time_from_start")
+    seconds, rest = value.get("sec", value.get("secs", 0)), value.get("nanosec", value.get("nsecs", 0))
+    return rational(seconds, f"{who}: sec") + rational(rest, f"{who}: nanosec") / fmpq(10) ** 9
 
 
 READERS: dict[str, Callable[[Path], Columns]] = {".csv": _csv, ".npz": _npz, ".json": _json}

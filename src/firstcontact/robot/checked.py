@@ -2,32 +2,55 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from firstcontact.errors import InputError
 
-SHAPES = {"box": {"size": 3}, "cylinder": {"radius": 1, "length": 1}, "sphere": {"radius": 1}, "mesh": {}}
+SHAPES = {
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "capsule": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    "mesh": {},
+}
 """The shapes, and how many numbers each of their attributes has."""
 
 
 def check(path: Path, robot: Element) -> None:
     """InputError that names the link or joint of the first thing that cannot be read."""
+    _check_names(path, robot)
     for link in robot.findall("link"):
         who = f"{path}: link {_named(path, link, 'link')!r}"
         for k, collision in enumerate(link.findall("collision")):
             _check_origin(collision, f"{who}: collision {k}")
-            for geometry in collision.findall("geometry"):
-                _check_shape(geometry, f"{who}: collision {k}")
+            geometries = collision.findall("geometry")
+            if len(geometries) != 1:
+                raise InputError(f"{who}: collision {k} has {len(geometries)} geometries; give it one")
+            _check_shape(geometries[0], f"{who}: collision {k}")
     for joint in robot.findall("joint"):
         who = f"{path}: joint {_named(path, joint, 'joint')!r}"
         for end in ("parent", "child"):
             if (element := joint.find(end)) is None or not element.get("link"):
                 raise InputError(f"{who} has no {end}; give it <{end} link=...>")
         _check_origin(joint, who)
+        for tag, keys in {"limit": ("lower", "upper"), "mimic": ("multiplier", "offset")}.items():
+            for element in joint.findall(tag):
+                for key in keys:
+                    if element.get(key) is not None:
+                        _numbers(element, key, 1, who)
         axis = None if joint.get("type") in ("fixed", "floating") else joint.find("axis")
         if axis is not None and not any(_numbers(axis, "xyz", 3, who)):
             raise InputError(f"{who}: its axis is 0 0 0; give a direction")
+
+
+def _check_names(path: Path, robot: Element) -> None:
+    for what in ("link", "joint"):
+        names = [_named(path, element, what) for element in robot.findall(what)]
+        for k, name in enumerate(names):
+            if name in names[:k]:
+                raise InputError(f"{path}: two {what}s are called {name!r}; give each its own name")
 
 
 def _named(path: Path, element: Element, what: str) -> str:
@@ -45,10 +68,14 @@ def _check_origin(element: Element, who: str) -> None:
 
 
 def _check_shape(geometry: Element, who: str) -> None:
-    shapes = [shape for shape in geometry if shape.tag in SHAPES]
+    shapes = list(geometry)
     if len(shapes) > 1:
         raise InputError(f"{who} has {len(shapes)} shapes in one geometry; give each a collision of its own")
+    if not shapes:
+        raise InputError(f"{who} has no shape; give one of {', '.join(SHAPES)}")
     for shape in shapes:
+        if shape.tag not in SHAPES:
+            raise InputError(f"{who} is a {shape.tag}; give one of {', '.join(SHAPES)}")
         for key, count in SHAPES[shape.tag].items():
             if not all(x > 0.0 for x in _numbers(shape, key, count, who)):
                 raise InputError(f"{who}: the {key} of its {shape.tag} is {shape.get(key)!r}; give lengths above 0")
@@ -66,7 +93,7 @@ def _numbers(element: Element, key: str, count: int, who: str) -> list[float]:
         numbers = [float(x) for x in (given or "").split()]
     except ValueError:
         numbers = []
-    if len(numbers) != count:
-        many = "one number" if count == 1 else f"{count} numbers"
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        many = "one finite number" if count == 1 else f"{count} finite numbers"
         raise InputError(f"{who}: {key} of its {element.tag} is {given!r}; give {many}")
     return numbers

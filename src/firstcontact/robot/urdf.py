@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -24,6 +26,12 @@ if TYPE_CHECKING:
     import yourdfpy
 
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
+
+NEEDED = {"link": {"collision"}, "joint": {"origin", "parent", "child", "axis", "limit", "mimic"}}
+"""What is read of links and joints."""
+
+Capsules = set[tuple[str, int]]
+"""The names of links and the numbers of their shapes."""
 
 KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
 
@@ -44,11 +52,11 @@ def read(path: Path, packages: Mapping[str, str | Path], base: np.ndarray) -> De
     Poses are products of doubles, and each stands for the nearest rotation: within a few 1e-16 of what the file says.
     Vertices of meshes are placed in doubles too.
     """
-    robot, meshes = _parsed(path), dict[Path, Polyhedron]()
+    (robot, capsules), meshes = _parsed(path), dict[Path, Polyhedron]()
     homes = _homes(path, robot, base)
     links = {
         link.name: [
-            _body(path, packages, meshes, link.name, k, shape, homes[link.name] @ _matrix(shape.origin))
+            _body(path, packages, meshes, capsules, link.name, k, shape, homes[link.name] @ _matrix(shape.origin))
             for k, shape in enumerate(link.collisions or [])
         ]
         for link in robot.links
@@ -57,17 +65,38 @@ def read(path: Path, packages: Mapping[str, str | Path], base: np.ndarray) -> De
     return Description(robot.name, links, joints, list(meshes))
 
 
-def _parsed(path: Path) -> yourdfpy.urdf.Robot:
+def _parsed(path: Path) -> tuple[yourdfpy.urdf.Robot, Capsules]:
+    """What the parser makes of links and joints, and which cylinders are capsules."""
     try:
         import yourdfpy
     except ImportError as error:
         raise InputError("robots need yourdfpy; install it: python -m pip install 'firstcontact[robot]'") from error
-    check(path, semantic.tree(path))  # the parser leaves out what it does not understand, and raises what it meets
+    root = semantic.tree(path)
+    check(path, root)  # the parser leaves out what it does not understand, and raises what it meets
+    capsules = _bare(root)
     logging.getLogger("yourdfpy").setLevel(logging.ERROR)  # it warns of meshes that are not asked for
+    file = io.BytesIO(ElementTree.tostring(root))
     try:
-        return yourdfpy.URDF.load(str(path), load_meshes=False, build_scene_graph=False).robot
+        return yourdfpy.URDF.load(file, load_meshes=False, build_scene_graph=False).robot, capsules
     except Exception as error:  # its parser raises what it meets
         raise InputError(f"{path}: no description of a robot ({type(error).__name__}: {error}); give URDF") from error
+
+
+def _bare(root: ElementTree.Element) -> Capsules:
+    """Leaves links and joints with what counts here, and cylinders for capsules, which the parser does not know."""
+    capsules = set()
+    for element in list(root):
+        if element.tag not in NEEDED:
+            root.remove(element)
+        for part in list(element):
+            if part.tag not in NEEDED.get(element.tag, ()):
+                element.remove(part)
+    for link in root.findall("link"):
+        for k, collision in enumerate(link.findall("collision")):
+            for shape in collision.findall("geometry/capsule"):
+                shape.tag = "cylinder"
+                capsules.add((link.get("name", ""), k))
+    return capsules
 
 
 def _matrix(origin: np.ndarray | None) -> np.ndarray:
@@ -119,14 +148,16 @@ def _joint(path: Path, joint: yourdfpy.urdf.Joint, home: np.ndarray) -> Joint:
 
 
 def _body(
-    path: Path, packages: Mapping[str, str | Path], meshes: dict[Path, Polyhedron], link: str, k: int,
-    shape: yourdfpy.urdf.Collision, place: np.ndarray,
+    path: Path, packages: Mapping[str, str | Path], meshes: dict[Path, Polyhedron], capsules: Capsules, link: str,
+    k: int, shape: yourdfpy.urdf.Collision, place: np.ndarray,
 ) -> Polyhedron | CompositeQuadric:  # fmt: skip
     """A shape of a link, by the link's name and, beyond the first, a number; meshes: what was read of files so far."""
     name = link if k == 0 else f"{link}.{k}"
     geometry = shape.geometry
     if geometry.mesh is not None:
         file = found(geometry.mesh.filename, path, packages)
+        if not file.is_file():
+            raise InputError(f"{path}: link {link!r}: its mesh {file} is not there")
         mesh = meshes[file] = meshes.get(file) or _mesh(file)
         scale = np.ones(3) if geometry.mesh.scale is None else np.asarray(geometry.mesh.scale, float)
         vertices = (mesh.vertices * scale) @ place[:3, :3].T + place[:3, 3]
@@ -136,10 +167,14 @@ def _body(
         solid = primitives.box(np.asarray(geometry.box.size).tolist())
     elif geometry.cylinder is not None:
         solid = primitives.cylinder(geometry.cylinder.radius, geometry.cylinder.length)
+        if (link, k) in capsules:
+            ball = primitives.sphere(geometry.cylinder.radius)
+            ends = [ball.translated((0, 0, x)) for x in (-geometry.cylinder.length / 2, geometry.cylinder.length / 2)]
+            solid = solid | ends[0] | ends[1]
     elif geometry.sphere is not None:
         solid = primitives.sphere(geometry.sphere.radius)
     else:
-        raise InputError(f"{path}: link {link!r}: collision {k} has no shape; give a box, cylinder, sphere or mesh")
+        raise InputError(f"{path}: link {link!r}: collision {k} has no geometry; give it one")
     pose: Pose = read_poses([place], [f"{path}: the place of link {link!r}"])[0]
     return solid.transformed([*pose.matrix(), (0, 0, 0, 1)]).named(name)
 
