@@ -6,7 +6,8 @@ import pytest
 pytest.importorskip("OCP")
 
 from OCP.BRep import BRep_Tool  # noqa: E402
-from OCP.gp import gp_Pnt2d  # noqa: E402
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeTorus  # noqa: E402
+from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt, gp_Pnt2d  # noqa: E402
 from OCP.IntTools import IntTools_FClass2d  # noqa: E402
 from OCP.TopAbs import TopAbs_State  # noqa: E402
 
@@ -15,7 +16,16 @@ import step_shapes as shapes  # noqa: E402
 from firstcontact.step.bounds import _derivative_bounds, _less, _times  # noqa: E402
 from firstcontact.step.reader import Shape  # noqa: E402
 from firstcontact.step.solids import StepSolid  # noqa: E402
-from firstcontact.step.triangles import triangulated  # noqa: E402
+from firstcontact.step.triangles import _areas, _Builder, cut_by, triangulated, unfolded  # noqa: E402
+
+
+def torus_and_half_a_torus():
+    """Middles of the borders' sides come to lie beyond the corners opposite to these."""
+    near = gp_Ax2(gp_Pnt(-1.75, -0.0625, 0.25), gp_Dir(-0.65, -0.755, 0.09), gp_Dir(-0.27, 0.12, -0.955))
+    half = BRepPrimAPI_MakeTorus(near, 2.0, 0.125, np.pi).Shape()
+    whole = BRepPrimAPI_MakeTorus(gp_Ax2(gp_Pnt(-1.625, -0.625, 0.5), gp_Dir(0, -1, 0)), 1.8125, 0.6875).Shape()
+    return shapes.fuse(half, whole)
+
 
 SHAPES = {
     "cylinder": lambda: shapes.cylinder(2, 5),
@@ -28,6 +38,7 @@ SHAPES = {
     "filleted box": lambda: shapes.filleted(shapes.box((4, 3, 2)), 0.4),
     "wave": shapes.wave,
     "vase": shapes.vase,
+    "torus and half a torus": torus_and_half_a_torus,
     "bored ball": lambda: shapes.cut(shapes.sphere(2), shapes.cylinder(0.7, 6, (0.3, 0, -3))),
 }
 
@@ -83,6 +94,42 @@ def test_triangles_and_faces_are_as_near_each_other_as_is_said(name, share):
     weights = rng.dirichlet((1, 1, 1), 40)
     back = np.einsum("nk,nkj->nj", weights, corners[rng.integers(0, len(corners), 40)])
     assert max(shapes.distance(solid.shape, p) for p in back) <= net.deviation
+
+
+@pytest.mark.parametrize("height", [1e-9, 0.1, 0.9])
+def test_a_corner_beyond_the_side_opposite_to_it(height):
+    """The middle of the lower border is above the side 0 1: it belongs to the triangle there, with no area but that."""
+    uv = np.array([(0.0, 0.0), (2.0, 0.0), (1.0, 1.0), (1.0, height), (1.0, 3.0)])
+    triangles, known = [(0, 3, 1), (0, 1, 2), (1, 4, 2), (2, 4, 0)], [0.5, 0.25, 0.125, 0.75]
+    found, told = unfolded(uv, triangles, known)
+    assert sorted(map(sorted, found)) == [[0, 2, 3], [0, 2, 4], [1, 2, 3], [1, 2, 4]]
+    assert (_areas(uv, np.array(found)) > 0).all()
+    assert _areas(uv, np.array(found)).sum() == pytest.approx(_areas(uv, np.array(triangles)).sum())
+    assert [x for x in told if x is not None] == [0.125, 0.75]
+    assert unfolded(uv, found, told) == (found, told)
+
+
+def test_a_corner_beyond_two_sides():
+    uv = np.array([(0.0, 0.0), (2.0, 0.0), (0.2, 0.5), (1.0, 3.0), (1.2, 0.4)])
+    found, _ = unfolded(uv, [(0, 4, 1), (0, 1, 2), (1, 3, 2), (2, 3, 0)], [None] * 4)
+    assert sorted(map(sorted, found)) == [[0, 2, 3], [0, 2, 4], [1, 3, 4], [2, 3, 4]]
+    assert (_areas(uv, np.array(found)) > 0).all()
+
+
+def test_a_corner_that_leaves_another_one_outside_is_left_to_finer_triangles():
+    uv = np.array([(0.0, 0.0), (2.0, 0.0), (1.0, 1.0), (1.0, 1.5)])
+    found, _ = unfolded(uv, [(0, 3, 1), (0, 1, 2)], [None, None])
+    assert (_areas(uv, np.array(found)) < 0).any()
+
+
+def test_a_face_that_folded_took_minutes():
+    """It was cut anew, ever finer, and folded every time; the first triangles do."""
+    shape, times = torus_and_half_a_torus(), []
+    solid = StepSolid(shape, Shape(shape, "tori"))
+    solid.check()
+    wanted = 0.0006 * solid.size
+    net = cut_by(solid, wanted, lambda: times.append(1) or _Builder(solid, wanted).net())
+    assert net.deviation <= wanted and len(times) == 1
 
 
 TIPS = {

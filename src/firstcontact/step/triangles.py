@@ -40,6 +40,8 @@ REST = 0.4
 ROUNDS = 200
 """Around the tip of a cone triangles that lie across it are halved one after the other."""
 MOST_TRIANGLES = 1_000_000
+MOST_FLIPS = 20
+"""Sides that a corner may be beyond."""
 
 Made = TypeVar("Made")
 Node = tuple[str, int, int]
@@ -128,6 +130,7 @@ def triangles_of(solid: StepSolid, number: int) -> CutFace:
 
 Segment = tuple[int, int]
 """Two corners of a face, by their numbers in the face, the smaller one first."""
+Triangle = tuple[int, int, int]
 
 
 @dataclass
@@ -420,7 +423,7 @@ class _Builder:
             parts = _cut(triangle, middle) if cut else [triangle]
             triangles += parts
             over += [None] * len(parts) if cut else [known]
-        face.triangles, face.over = triangles, over
+        face.triangles, face.over = unfolded(np.array(face.uv), triangles, over)
 
     def _middle(self, face: _TriangleFace, side: Segment) -> int:
         """A new corner in the middle of a side: on the edge, of a border."""
@@ -562,11 +565,59 @@ def _seen(face: _TriangleFace, uv: np.ndarray) -> np.ndarray:
     return found
 
 
+def unfolded(
+    uv: np.ndarray, triangles: list[Triangle], known: list[float | None]
+) -> tuple[list[Triangle], list[float | None]]:
+    """Triangles over the same parameters, each the right way round, and what is known of those that are as they were.
+
+    A corner that comes to lie on a bent border may be beyond the side opposite to it: then it belongs into the triangle
+    on the other side of that, or beyond that one.
+    """
+    folded = np.flatnonzero(_areas(uv, np.array(triangles)) < 0.0).tolist()
+    if not folded:
+        return triangles, known
+    triangles, known = list(triangles), list(known)
+    with_side = {side: k for k, corners in enumerate(triangles) for side in _sides(corners)}
+    for _ in range(MOST_FLIPS * len(folded)):
+        if not folded:
+            break
+        k = folded.pop()
+        corners = triangles[k]
+        newest = corners.index(max(corners))
+        a, b, c = (corners[(newest + n) % 3] for n in (1, 2, 0))  # c is beyond the side a b
+        other = with_side.get((b, a))
+        if other is None:
+            continue
+        d = next(x for x in triangles[other] if x not in (a, b))
+        halves = (a, d, c), (d, b, c)
+        signs = np.sign(_areas(uv, np.array(halves)))
+        if signs.max() <= 0.0:
+            continue
+        del with_side[a, b], with_side[b, a]
+        for number, half, way in zip((k, other), halves, signs.tolist(), strict=True):
+            triangles[number], known[number] = half, None
+            with_side |= dict.fromkeys(_sides(half), number)
+            if way < 0.0:
+                folded.append(number)
+    return triangles, known
+
+
+def _sides(triangle: Triangle) -> list[tuple[int, int]]:
+    a, b, c = triangle
+    return [(a, b), (b, c), (c, a)]
+
+
+def _areas(uv: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Twice the areas of triangles, (n, 3) numbers of corners, below 0 where they turn the other way."""
+    p, q, r = (uv[triangles[:, k]] for k in range(3))
+    found: np.ndarray = (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) - (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
+    return found
+
+
 def check_tiling(solid: StepSolid, number: int, uv: np.ndarray, triangles: np.ndarray) -> None:
     """That the triangles cover what their outer sides enclose, once: all turn one way, and the sides that belong to one
     triangle alone are those of edges."""
-    p, q, r = (uv[triangles[:, k]] for k in range(3))
-    area = (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) - (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
+    area = _areas(uv, triangles)
     if (area < -1e-9 * np.abs(area).max()).any():
         raise Folded(f"{solid.named('face', number)} folds over itself where it is cut into triangles; its edges cross")
 
