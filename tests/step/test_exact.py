@@ -8,7 +8,8 @@ pytest.importorskip("OCP")
 import sys  # noqa: E402
 from pathlib import Path  # noqa: E402
 
-from OCP.gp import gp_Pnt  # noqa: E402
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeSphere  # noqa: E402
+from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt  # noqa: E402
 
 import firstcontact as fc  # noqa: E402
 import step_shapes as shapes  # noqa: E402
@@ -64,6 +65,14 @@ def slot():
     return shapes.cut(made, shapes.box((3, 2 * RADIUS, 5), (X, Y - RADIUS, -1)))
 
 
+def balls():
+    """Middles of triangles along the circles in which they meet lie inside the solid."""
+    z, x = (-0.07811282644980785, -0.16972752212656494, 0.98239), (0.9964689165590264, -0.04372665253693539, 0.0716776)
+    made = BRepPrimAPI_MakeSphere(gp_Ax2(gp_Pnt(1.375, 0.1875, 0.5), gp_Dir(*z), gp_Dir(*x)), 0.625).Shape()
+    where = gp_Ax2(gp_Pnt(0.5625, -0.0625, 0.125), gp_Dir(0, 1, 0), gp_Dir(0, 0, 1))
+    return shapes.fuse(made, BRepPrimAPI_MakeSphere(where, 1.25).Shape())
+
+
 SHAPES = {
     "cylinder": lambda: shapes.cylinder(2, 5),
     "tilted cone": lambda: shapes.moved(shapes.cone(2, 1, 3), (1, 2, 3), ((1, 2, 3), 0.7)),
@@ -77,6 +86,7 @@ SHAPES = {
     "plate": plate,
     "slotted": slotted,
     "hollow": lambda: shapes.cut(shapes.box((3, 3, 3)), shapes.sphere(1, (1.4, 1.5, 1.6))),
+    "balls": balls,
 }
 BODIES = {}
 

@@ -352,9 +352,13 @@ def _problem(solid: StepSolid) -> _Problem:
     forms = np.array([doubles(s.matrix()) for s in surfaces]).reshape(-1, 4, 4)
     cut = rough(solid, ROUGH * solid.size)
     samples, faces = _samples(solid, cut, forms, of_face)
+    trims = Trims(solid)
+    own = _in_faces(solid, trims, forms[:count], samples, faces, of_face)
+    samples, faces = samples[own], faces[own]
     normals = _outward(solid, forms, samples, faces, of_face)
     off = OFF * solid.size
-    on, depth = np.array(of_face)[faces], np.full(len(samples), off)
+    on = np.array(of_face)[faces]
+    depth = _depths(forms[:count], samples, normals, on, off)
     for each in rounds:  # ends of bent tubes
         own = ~each.removed(samples - off * normals)
         samples, normals, on, depth = samples[own], normals[own], on[own], depth[own]
@@ -363,7 +367,6 @@ def _problem(solid: StepSolid) -> _Problem:
         on, depth = np.append(on, np.full(len(x), k)), np.append(depth, np.full(len(x), min(off, each.depth)))
     labelled = np.concatenate([samples - depth[:, None] * normals, samples + depth[:, None] * normals])
     inside = np.repeat([True, False], len(samples))
-    trims = Trims(solid)
     trims.faces |= {number: each for each in rounds for number in each.numbers}
     return _Problem(
         solid, cut, surfaces, known.nappes, forms, _round(forms), count, sheets, of_face, known.faces_on,
@@ -433,6 +436,18 @@ def _samples(solid: StepSolid, cut: Rough, forms: np.ndarray, of_face: list[int]
     return points, owner
 
 
+def _in_faces(
+    solid: StepSolid, trims: Trims, forms: np.ndarray, points: np.ndarray, faces: np.ndarray, of_face: list[int]
+) -> np.ndarray:
+    """(n,) which of the points of carriers are in their faces: middles of triangles along a bent border may not be."""
+    off = np.abs(_distances(forms, points, _round(forms)))
+    off[np.array(of_face)[faces], np.arange(len(points))] = np.inf
+    doubtful = np.flatnonzero(off.min(axis=0, initial=np.inf) < 2.0 * ROUGH * solid.size)
+    found = np.ones(len(points), bool)
+    found[doubtful] = ~trims.outside(points[doubtful], faces[doubtful], [(k,) for k in range(len(solid.faces))])
+    return found
+
+
 def _outward(
     solid: StepSolid, forms: np.ndarray, points: np.ndarray, faces: np.ndarray, of_face: list[int]
 ) -> np.ndarray:
@@ -460,6 +475,20 @@ def _outward(
         if n @ normals[own[0]] < 0.0:
             normals[own] *= -1.0
     return normals
+
+
+def _depths(forms: np.ndarray, points: np.ndarray, normals: np.ndarray, on: np.ndarray, off: float) -> np.ndarray:
+    """(n,) how far one may go from points of carriers `on`, up to `off`, and cross no other one: next to an edge in
+    which the solid is hollow it is inside beyond that."""
+    round_, own = _round(forms), on == np.arange(len(forms))[:, None]
+    here, share = _distances(forms, points, round_), np.ones(len(points))
+    for way in (-off, off):
+        there = _distances(forms, points + way * normals, round_)
+        crossed = ~own & (here * there < 0.0)
+        shares = np.where(crossed, here / np.where(crossed, here - there, 1.0), 1.0)
+        share = np.minimum(share, shares.min(axis=0, initial=1.0))
+    found: np.ndarray = np.where(share < 1.0, 0.5 * share, 1.0) * off
+    return found
 
 
 def _cuts(solid: StepSolid, surfaces: list[Surface], of_face: list[int]) -> Iterator[Surface]:
