@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Iterator
 from functools import cached_property, cmp_to_key
 from itertools import pairwise, product
 from typing import Any
@@ -43,7 +43,6 @@ from firstcontact.search.trees.containment import contains
 from firstcontact.search.trees.elements import (
     EDGE,
     FACE,
-    KINDS,
     VERTEX,
     Feature,
     Primitive,
@@ -52,6 +51,7 @@ from firstcontact.search.trees.elements import (
     vertices_of,
 )
 from firstcontact.search.trees.frame import tree_of
+from firstcontact.search.trees.state import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE
 from firstcontact.search.trees.touch import spanning
 from firstcontact.search.trees.tree import FACET
 from firstcontact.search.trees.windows import PART_ROOM
@@ -78,6 +78,8 @@ _STEEP = 24
 _NEAR = 2.0**-28
 
 
+# The kind of a pair of elements by their numbers of corners.
+_KIND_OF = {(1, 3): VERTEX_FACE, (2, 2): EDGE_EDGE, (3, 1): FACE_VERTEX}
 # A pair of elements, named.
 Named = tuple[Hashable, Corners]
 
@@ -91,6 +93,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
     def __init__(self, a: Polyhedron, b: Polyhedron, piece: CurvedPiece) -> None:
         super().__init__(a, b, piece)
         self._instants: dict[Hashable, list[tuple[RationalInstant, arb]]] = {}
+        self._solved: dict[tuple[Hashable, int], list[tuple[fmpq, fmpq, list[RationalInstant]]]] = {}
         self._possible: dict[tuple[Feature, Feature], float] = {}
         self._kept_poses: dict[tuple[fmpq, fmpq, int], list[tuple[Rows, Rows]]] = {}
         self._poses_at: dict[fmpq, tuple[Rows, Rows, bool] | None] = {}
@@ -137,29 +140,37 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         """
         if element_a[0] == element_b[0] == EDGE and self._stay_parallel(element_a, element_b):
             return None
-        kind = next(k for k, pair in KINDS.items() if pair == (element_a[0], element_b[0]))
         xa, xb = (corners_as_doubles(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
         pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
         lasting = self._lasting(pair)
-        first, last = 0.0, self.window()[0]
-        near = _NEAR * last
-        while True:
-            verdict, lo, hi = curve.pair_window(
-                self.motion, kind, xa, xb, self.tree_a.error, self.tree_b.error, first, last
-            )
-            if verdict == NONE:
-                return None
+        for lo, hi in self._possible_times(pair, xa, xb, 0.0, self.window()[0]):
             self._possible[element_a, element_b] = lo
-            until = hi if verdict == CERTAIN and hi - lo < near else lo + near
             try:
-                found = self._contacts_in(pair, exact_value(lo), exact_value(until), True, lasting)
+                found = self._contacts_in(pair, exact_value(lo), exact_value(hi), True, lasting)
             except Undecidable as unclear:
                 self._possible[element_a, element_b] = max(lo, *unclear.args)
                 raise
             if found:
                 return RationalInstant(found[0][0])
+        return None
+
+    def _possible_times(
+        self, pair: Corners, xa: np.ndarray, xb: np.ndarray, first: float, last: float
+    ) -> Iterator[tuple[float, float]]:
+        """The times in which floats leave open whether two elements meet, or prove that they do, in order.
+
+        xa, xb (9,): their corners as doubles, the last one repeated.
+        """
+        kind, near = _KIND_OF[len(pair[0]), len(pair[1])], _NEAR * self.window()[0]
+        errors = self.tree_a.error, self.tree_b.error
+        while True:
+            verdict, lo, hi = curve.pair_window(self.motion, kind, xa, xb, *errors, first, last)
+            if verdict == NONE:
+                return
+            until = hi if verdict == CERTAIN and first < hi < lo + near else lo + near
+            yield lo, until
             if until >= last:
-                return None
+                return
             first, near = until, 4.0 * near
 
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> RationalInstant | None:
@@ -485,11 +496,8 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         found: dict[int, RationalInstant] = {}
         pairs = self._without_parallel(a, b, pairs)
         with precision(max(ctx.prec, _BITS)):
-            for lo, hi in self._open_times(a, b):
-                for name, pair in pairs:
-                    for root, alone in self._contacts_in(pair, lo, hi):
-                        instant = self._known(name, root, alone)
-                        found[id(instant)] = instant
+            for name, pair, lo, hi in self._possible_contacts(a, b, pairs):
+                found |= {id(instant): instant for instant in self._contacts_of(name, pair, lo, hi)}
             return [(instant, True) for instant in sorted(found.values(), key=cmp_to_key(self.order))]
 
     def windows_and_doubts(
@@ -507,11 +515,10 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         doubts = [Doubt(time, time, False) for time in (first, last)]
         pairs = self._without_parallel(a, b, element_pairs(a, ids[0], b, ids[1]))
         with precision(_COARSE):
-            for lo, hi in self._open_times(a, b):
-                for _, pair in pairs:
-                    for root, _ in self._contacts_in(pair, lo, hi, doubts=stretches):
-                        found = ball(root)
-                        doubts.append(Doubt(*self._within(dyadic(found.lower()), dyadic(found.upper())), True))
+            for _, pair, lo, hi in self._possible_contacts(a, b, pairs):
+                for root, _ in self._contacts_in(pair, lo, hi, doubts=stretches):
+                    found = ball(root)
+                    doubts.append(Doubt(*self._within(dyadic(found.lower()), dyadic(found.upper())), True))
             doubts += [Doubt(*self._within(lo, hi), False) for lo, hi in stretches if lo < self.length and hi > 0]
             windows = self._times_between(a, b, merged(doubts), doubts)
         with precision(_COARSE):
@@ -571,6 +578,19 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         except Undecidable:
             return None
 
+    def _contacts_of(self, name: Hashable, pair: Corners, lo: fmpq, hi: fmpq) -> list[RationalInstant]:
+        """The contacts of two elements from lo to hi, and maybe such beside: triangles share elements, so that they are
+        asked for again over nearly the same time."""
+        solved = self._solved.setdefault((name, ctx.prec), [])
+        for left, right, instants in solved:
+            if left <= lo and hi <= right:
+                return instants
+        room = min(hi - lo, exact_value(_NEAR) * self.length)
+        left, right = lo - room, hi + room
+        instants = [self._known(name, root, alone) for root, alone in self._contacts_in(pair, left, right)]
+        solved.append((left, right, instants))
+        return instants
+
     def _known(self, name: Hashable, root: arb | fmpq, alone: arb) -> RationalInstant:
         """The instant of that contact of two elements: one object, whichever primitives ask, equal to itself."""
         known = self._instants.setdefault(name, [])
@@ -583,6 +603,17 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
     def order(self, x: RationalInstant, y: RationalInstant) -> int:
         """-1, 0, 1: x before, at, after y; Undecidable for different contacts that balls do not tell apart."""
         return 0 if x is y else x.compare(y)
+
+    def _possible_contacts(
+        self, a: Primitive, b: Primitive, pairs: list[Named]
+    ) -> Iterator[tuple[Hashable, Corners, fmpq, fmpq]]:
+        """Pairs of elements, and the times in which floats do not know whether these meet, nor the primitives."""
+        for lo, hi in self._open_times(a, b):
+            begin, end = max(to_double(lo), 0.0), min(to_double(hi), self.window()[0])
+            for name, pair in pairs:
+                xa, xb = (np.ravel([[to_double(x) for x in p] for p in (*c, c[-1], c[-1])][:3]) for c in pair)
+                for left, right in self._possible_times(pair, xa, xb, begin, end):
+                    yield name, pair, exact_value(left), exact_value(right)
 
     def _open_times(self, a: Primitive, b: Primitive) -> list[tuple[fmpq, fmpq]]:
         """Disjoint times in which the floats do not know whether two primitives meet."""
