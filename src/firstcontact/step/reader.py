@@ -8,8 +8,10 @@ from __future__ import annotations
 import faulthandler
 import os
 import signal
+import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +20,7 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.motion.poses import SNAP, read_pose
-from firstcontact.step import text
+from firstcontact.step import frames, text
 from firstcontact.step.units import MILLIMETRES, unit_of
 
 if TYPE_CHECKING:
@@ -80,12 +82,28 @@ def read(path: Path) -> Read:
     kinds = text.checked(path)
     import OCP.STEPCAFControl  # noqa: F401 - here, so that the child has it too
 
-    try_apart(lambda: _transferred(path), path)
-    document, reader, unit = _transferred(path)
+    with _readable(path, kinds) as file:
+        try_apart(lambda: _transferred(path, file), path)
+        document, reader, unit = _transferred(path, file)
     roots = _Tree(document, reader, kinds).roots()
     if not roots:
         raise InputError(f"{path}: holds no shapes; export the model as solids (AP214 or AP242)")
     return Read(roots, unit)
+
+
+@contextmanager
+def _readable(path: Path, kinds: dict[int, str]) -> Iterator[Path]:
+    """The file, or one that says the same so that OpenCASCADE understands it; kinds: takes the entities added."""
+    changed = frames.mended(path)
+    if changed is None:
+        yield path
+        return
+    text_, added = changed
+    kinds |= dict.fromkeys(added, "")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / path.name
+        file.write_bytes(text_)
+        yield file
 
 
 def try_apart(work: Callable[[], object], path: Path) -> None:
@@ -113,8 +131,8 @@ def try_apart(work: Callable[[], object], path: Path) -> None:
         raise InputError(f"{path}: OpenCASCADE breaks down over its entities; the file is damaged: export it again")
 
 
-def _transferred(path: Path) -> tuple[TDocStd_Document, STEPControl_Reader, str]:
-    """(the document, the reader of entities, the unit)."""
+def _transferred(path: Path, file: Path) -> tuple[TDocStd_Document, STEPControl_Reader, str]:
+    """(the document, the reader of entities, the unit); file: what is read for `path`."""
     from OCP.Message import Message
     from OCP.STEPCAFControl import STEPCAFControl_Reader
     from OCP.TCollection import TCollection_ExtendedString
@@ -127,7 +145,7 @@ def _transferred(path: Path) -> tuple[TDocStd_Document, STEPControl_Reader, str]
     reader = STEPCAFControl_Reader()
     for set_mode in (reader.SetNameMode, reader.SetColorMode):
         set_mode(True)
-    if not _is_done(reader.ReadFile(str(path))):
+    if not _is_done(reader.ReadFile(str(file))):
         raise InputError(f"{path}: not readable as STEP (OpenCASCADE refuses its entities); export it again")
     inner = reader.ChangeReader()
     unit = _unit(inner, path)
@@ -179,9 +197,12 @@ class _Tree:
         name = self._name(label)
         own = name if instance is None else self._name(instance) or name
         colour = self._colour(instance) or self._colour(label)
-        location = self.tool.GetLocation_s(label if instance is None else instance)
-        placement = IDENTITY if location.IsIdentity() else _matrix(location.Transformation())
-        if self.tool.IsAssembly_s(label):
+        is_assembly = self.tool.IsAssembly_s(label)
+        placement = IDENTITY
+        if instance is not None or is_assembly:  # the shape of a root that is a part is in its place
+            location = self.tool.GetLocation_s(label if instance is None else instance)
+            placement = IDENTITY if location.IsIdentity() else _matrix(location.Transformation())
+        if is_assembly:
             return TreeNode(own or "assembly", name, colour, placement, None, self._children(label))
         return TreeNode(own or "part", name, colour, placement, self._shape(label, name or own or "part"), ())
 
