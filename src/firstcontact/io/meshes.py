@@ -10,6 +10,7 @@ import numpy as np
 
 from firstcontact.body.polyhedron.triangulate import shapes, triangulate
 from firstcontact.errors import InputError
+from firstcontact.interrupts import interrupted_after
 from firstcontact.io.polygon_files import Faces, read_obj, read_off, read_ply
 from firstcontact.io.stl_files import read_stl
 
@@ -66,7 +67,8 @@ def _unwarped(vertices: np.ndarray, faces: Faces, path: Path) -> Faces:
 
 def write_mesh(path: str | Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
     """Write vertices (n, 3) and triangles (m, 3); the suffix chooses the format (STL is binary float32)."""
-    import trimesh
+    with interrupted_after():
+        import trimesh
 
     path = Path(path)
     _check_format(path)
@@ -112,7 +114,8 @@ def _load(path: Path) -> tuple[np.ndarray, np.ndarray | Faces]:
 
 
 def _through_trimesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    import trimesh
+    with interrupted_after():
+        import trimesh
 
     mesh: Any = trimesh.load(str(path), force="mesh", process=False, maintain_order=True)
     faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64)

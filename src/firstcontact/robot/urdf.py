@@ -15,6 +15,7 @@ import numpy as np
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid import primitives
 from firstcontact.errors import InputError
+from firstcontact.interrupts import interrupted_after
 from firstcontact.io.meshes import FORMATS
 from firstcontact.mechanism.joints import Joint
 from firstcontact.motion.poses import Pose, read_poses
@@ -68,7 +69,8 @@ def read(path: Path, packages: Mapping[str, str | Path], base: np.ndarray) -> De
 def _parsed(path: Path) -> tuple[yourdfpy.urdf.Robot, Capsules]:
     """What the parser makes of links and joints, and which cylinders are capsules."""
     try:
-        import yourdfpy
+        with interrupted_after():
+            import yourdfpy
     except ImportError as error:
         raise InputError("robots need yourdfpy; install it: python -m pip install 'firstcontact[robot]'") from error
     root = semantic.tree(path)
@@ -182,7 +184,8 @@ def _body(
 def _mesh(file: Path) -> Polyhedron:
     if file.suffix.lower() in FORMATS:
         return Polyhedron.load(file)
-    import trimesh
+    with interrupted_after():
+        import trimesh
 
     try:
         mesh = trimesh.load(file, force="mesh")

@@ -19,6 +19,7 @@ from firstcontact.body.polyhedron.triangulate import shapes, triangulate
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, fraction, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose, is_shift
+from firstcontact.interrupts import interrupted_after
 from firstcontact.motion.value import numbers
 
 if TYPE_CHECKING:
@@ -99,7 +100,8 @@ class Polyhedron(Placing):
         return cls(np.asarray(mesh.vertices), np.asarray(mesh.faces), solid=solid, name=name)
 
     def to_trimesh(self) -> trimesh.Trimesh:
-        import trimesh
+        with interrupted_after():
+            import trimesh
 
         return trimesh.Trimesh(self.vertices, self.triangles, process=False)
 
