@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from fractions import Fraction
 from pathlib import Path
@@ -113,3 +114,45 @@ def test_far_from_the_origin_it_is_the_same(kind):
         hit = only(course.first_contacts(), "fore", "floor")
         found.append((hit.time, *(hit.point - place)))
     assert found[0] == pytest.approx(found[1], abs=1e-8) and found[0][0] > 0.1
+
+
+@pytest.mark.parametrize("size", [1, 1e-100, 1e-170, 1e-300, 5e-324, "1e-400", 1e44, 1e-5])
+@pytest.mark.parametrize("is_moved_on", [False, True])
+def test_axes_of_any_length(size, is_moved_on):
+    """Their squares are no doubles: nothing was known of where the link is, and that was taken for far away."""
+    links = {"wall": fc.box((1, 1, 1)).translated((0, 4, 0)), "arm": fc.box((1, 1, 1)).translated((3, 0, 0))}
+    joints = [fc.Joint("hinge", "revolute", "wall", "arm", axis=(0, 0, size))]
+    if is_moved_on:
+        links["rail"] = fc.box((0.1, 0.1, 0.1)).translated((0, 0, 7))
+        joints = [fc.Joint("hinge", "revolute", "wall", "rail", axis=(0, 0, size)),
+                  fc.Joint("slide", "prismatic", "rail", "arm", axis=(size, 0, 0))]  # fmt: skip
+    skip = [("wall", "rail"), ("rail", "arm")] if is_moved_on else []
+    (hit,) = fc.Mechanism(links, joints, skip=skip).course([0, 1], {"hinge": [0, 180]}).first_contacts()
+    # the corner at (3.5, 0.5) comes to the side y = 3.5
+    due = (math.asin(3.5 / math.hypot(3.5, 0.5)) - math.atan2(0.5, 3.5)) / math.pi
+    assert hit.status is fc.Status.CONTACT and hit.time == pytest.approx(due, abs=1e-12)
+    assert fc.Rotation((0, 0, size), degrees=30)(1.0) == pytest.approx(fc.Rotation((0, 0, 1), degrees=30)(1.0))
+
+
+def cubic(mechanism, velocities):
+    return mechanism.course([0, 1], {"hinge": [0, 1]}, interpolation="cubic", velocities=velocities)
+
+
+@pytest.mark.parametrize(
+    ("ask", "fault"),
+    [
+        (lambda m: m.course([0, 1], {"hinge": [0, "1e400"]}), r"values\[1\] of joint 'hinge' is '1e400'; give"),
+        (lambda m: m.course([0, 1], {"hinge": "1e400"}), "the value of joint 'hinge' is '1e400'"),
+        (lambda m: cubic(m, {"hinge": [0, "1e400"]}), r"velocities\[1\] of joint 'hinge' is '1e400'"),
+        (lambda m: m.course([0, 1], None), "values: None is no dict"),
+        (lambda m: cubic(m, [1]), r"velocities: \[1\] is no dict"),
+        (lambda m: m.sweep("hinge", at="k"), "at: 'k' is no dict"),
+        (lambda m: m.sweep(at={"neck": 1}), "at: no joint 'neck' takes a value"),
+        (lambda m: fc.Joint("x", "revolute", "a", "b", mimic=("hinge", "1e400")), "mimic ratio is '1e400'"),
+    ],
+)  # fmt: skip
+def test_values_that_are_none(ask, fault):
+    links = {"wall": fc.box((1, 1, 1)), "arm": fc.box((1, 1, 1)).translated((3, 0, 0))}
+    hinge = fc.Joint("hinge", "revolute", "wall", "arm", axis=(0, 0, 1), limits=(0, 90))
+    with pytest.raises(fc.InputError, match=fault):
+        ask(fc.Mechanism(links, [hinge]))

@@ -132,6 +132,13 @@ def test_a_face_that_folded_took_minutes():
     assert net.deviation <= wanted and len(times) == 1
 
 
+def test_a_deviation_below_what_open_cascade_takes():
+    """It raised an error of its own."""
+    shape = shapes.cylinder(1e-4, 1e-4)
+    with pytest.raises(fc.InputError, match="edges and corners are off by more than deviation= 1e-08"):
+        triangulated(StepSolid(shape, Shape(shape, "pin")), 1e-8)
+
+
 TIPS = {
     "cone": lambda: shapes.cone(0, 2, 3),
     "upside down": lambda: shapes.cone(2, 0, 3),

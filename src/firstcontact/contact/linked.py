@@ -175,7 +175,7 @@ def _may_meet(a: tuple[np.ndarray, np.ndarray], b: tuple[np.ndarray, np.ndarray]
     between = a[0][:, :, None] - b[0][:, None]
     square = np.einsum("nijk,nijk->nij", between, between)
     reach = (a[1][:, :, None] + b[1][:, None]) * (1.0 + 1e-12)
-    near: np.ndarray = (square <= reach * reach).any(axis=(1, 2))
+    near: np.ndarray = ~(square > reach * reach).all(axis=(1, 2))  # what is no number proves nothing
     return near
 
 

@@ -12,7 +12,7 @@ from firstcontact.exact.numbers import rational, to_double
 from firstcontact.motion.product import Simple
 from firstcontact.motion.rotation import Rotation, direction
 from firstcontact.motion.screw import Screw, simple
-from firstcontact.motion.translation import vector3
+from firstcontact.motion.translation import bounded, vector3
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -135,4 +135,4 @@ def _mimic(name: str, given: Any) -> Mimic:
     except TypeError as error:
         raise InputError(f"joint {name!r}: mimic is {shown(given)}; give (joint, ratio, offset)") from error
     keys = zip(("ratio", "offset"), found[1:], strict=True)
-    return Mimic(found.joint, *(rational(x, f"joint {name!r}: mimic {key}") for key, x in keys))
+    return Mimic(found.joint, *(bounded(x, f"joint {name!r}: mimic {key}") for key, x in keys))

@@ -9,6 +9,7 @@ from firstcontact import query
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import to_double
 from firstcontact.mechanism.course import Course
+from firstcontact.mechanism.values import known
 from firstcontact.result import ContactIntervals
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ class Sweep:
 
 def swept(mechanism: Mechanism, joint: str | None, at: JointValues) -> list[Sweep]:
     """The sweeps of all joints with limits, or of one."""
+    known(mechanism.free, at, "at")
     if joint is not None and joint in at:
         raise InputError(f"joint {joint!r} is driven through its limits; leave it out of at")
     return [sweep_of(mechanism, name, at) for name in swept_joints(mechanism, joint)]

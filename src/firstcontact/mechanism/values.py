@@ -11,6 +11,7 @@ from flint import fmpq
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, rational, to_double
 from firstcontact.motion.product import Value
+from firstcontact.motion.translation import bounded
 
 if TYPE_CHECKING:
     from firstcontact.exact.numbers import Given
@@ -42,7 +43,7 @@ def polynomials(
     if interpolation not in INTERPOLATIONS:
         raise InputError(f"interpolation {shown(interpolation)} is unknown; give one of {', '.join(INTERPOLATIONS)}")
     if isinstance(values, str) or not hasattr(values, "__len__"):
-        return ((rational(values, f"the value of joint {name!r}"),),) * (len(times) - 1)
+        return ((bounded(values, f"the value of joint {name!r}"),),) * (len(times) - 1)
     points = _exact(name, "values", values, times)
     if interpolation == "linear":
         return tuple(_trimmed((p, q - p)) for p, q in itertools.pairwise(points))
@@ -57,7 +58,7 @@ def _exact(name: str, what: str, values: Iterable[Given], times: tuple[fmpq, ...
     numbers = _listed(values, f"{what} of joint {name!r}")
     if len(numbers) != len(times):
         raise InputError(f"joint {name!r} has {len(numbers)} {what} but {len(times)} times; give one for each")
-    return [rational(x, f"{what}[{k}] of joint {name!r}") for k, x in enumerate(numbers)]
+    return [bounded(x, f"{what}[{k}] of joint {name!r}") for k, x in enumerate(numbers)]
 
 
 def _cubic(length: fmpq, p: fmpq, q: fmpq, u: fmpq, v: fmpq) -> Value:
@@ -108,6 +109,8 @@ def followed(leader: tuple[Value, ...], ratio: fmpq, offset: fmpq) -> tuple[Valu
 
 def known(names: Iterable[str], wanted: Mapping[str, object], what: str) -> None:
     """InputError for values of what is no joint that takes one."""
+    if not isinstance(wanted, Mapping):
+        raise InputError(f"{what}: {shown(wanted)} is no dict; give values by the joints' names")
     free = list(names)
     for name in wanted:
         if name not in free:

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from firstcontact.motion.screw import Screw
     from firstcontact.result import Table
 
+# Of directions that stay as they are given; others take a power of two.
+MOST_BITS = 200
+
 
 class Rotation(Motion):
     """Turn about the line through ``point`` along ``axis``, right-hand rule, at constant speed.
@@ -89,11 +92,15 @@ class Rotation(Motion):
 
 
 def direction(values: Iterable[Given], what: str) -> tuple[fmpq, fmpq, fmpq]:
-    """Three exact numbers, not all zero; InputError names `what`."""
-    vector = vector3(values, what)
-    if not any(vector):
+    """Three exact numbers, not all zero, of a size whose squares doubles hold; InputError names `what`."""
+    x, y, z = vector3(values, what)
+    if not (x or y or z):
         raise InputError(f"{what} is zero; give a direction such as (0, 0, 1)")
-    return vector
+    bits = max(int(c.p).bit_length() - int(c.q).bit_length() for c in (x, y, z) if c)
+    if abs(bits) <= MOST_BITS:
+        return x, y, z
+    scale = fmpq(2) ** -bits
+    return x * scale, y * scale, z * scale
 
 
 def turn_table(motion: Rotation | Screw) -> Table:

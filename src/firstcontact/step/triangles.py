@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 COARSE = (0.8, 0.6), (0.8, 0.15), (0.4, 0.6), (0.1, 0.6), (0.02, 0.6)
 """What OpenCASCADE is asked for: a part of the deviation, and the angle between sides that follow each other; the next
 one where triangles fold over each other or could not be made finer."""
+LEAST = 2e-7
+"""Of lengths that it takes; finer triangles are halves of these."""
 OVER, BESIDE, ALONE = 0.5, 0.45, 0.95
 """Parts of the deviation for what lies over triangles, and for what lies beside them at a face's border; of either
 where the other is nothing."""
@@ -63,12 +65,18 @@ class TriangleNet:
 
 def triangulated(solid: StepSolid, deviation: float) -> TriangleNet:
     """Triangles within the deviation of the solid's faces.  InputError names a face that cannot be had so."""
+    from OCP.BRep import BRep_Tool
+
+    def refuse_above(reached: float) -> None:
+        if reached > deviation:
+            raise InputError(
+                f"{solid.who}: the file's own edges and corners are off by more than deviation= {deviation:.3g} "
+                f"(reached {reached:.3g}); give a larger deviation="
+            )
+
+    refuse_above(max((BRep_Tool.Tolerance_s(edge) for edge in solid.edges), default=0.0))
     net = cut_by(solid, deviation, lambda: _Builder(solid, deviation).net())
-    if net.deviation > deviation:
-        raise InputError(
-            f"{solid.who}: the file's own edges and corners are off by more than deviation= {deviation:.3g} (reached "
-            f"{net.deviation:.3g}); give a larger deviation="
-        )
+    refuse_above(net.deviation)
     return net
 
 
@@ -80,7 +88,7 @@ def cut_by(solid: StepSolid, deviation: float, made: Callable[[], Made]) -> Made
     folded = ""
     for share, angle in COARSE:
         BRepTools.Clean_s(solid.shape)
-        BRepMesh_IncrementalMesh(solid.shape, share * deviation, False, angle, False)
+        BRepMesh_IncrementalMesh(solid.shape, max(share * deviation, LEAST), False, angle, False)
         try:
             return made()
         except Folded as reason:
