@@ -181,7 +181,7 @@ def _runs(a: CompoundSide, b: CompoundSide, query: Query, pairs: np.ndarray) -> 
     slabs = [(below(first), above(last)) for first, last in pairwise(ends)]
     (lo_a, hi_a), (lo_b, hi_b) = a.boxes(of_a, slabs), b.boxes(of_b, slabs)
     near = np.zeros((SLABS + 2, len(pairs)), bool)
-    near[1:-1] = ((lo_a[:, i] <= hi_b[:, j]) & (lo_b[:, j] <= hi_a[:, i])).all(axis=2)
+    near[1:-1] = ~((lo_a[:, i] > hi_b[:, j]) | (lo_b[:, j] > hi_a[:, i])).any(axis=2)
     change = np.diff(near.astype(int), axis=0)
     for k, (one, other) in enumerate(pairs.tolist()):
         starts, stops = np.flatnonzero(change[:, k] > 0), np.flatnonzero(change[:, k] < 0)
@@ -190,6 +190,6 @@ def _runs(a: CompoundSide, b: CompoundSide, query: Query, pairs: np.ndarray) -> 
 
 
 def overlapping(a: Boxes, b: Boxes) -> np.ndarray:
-    """(k, 2) numbers of boxes that share a point, over the only span."""
+    """(k, 2) numbers of boxes that may share a point over the only span; those with numbers that are none may."""
     (lo_a,), (hi_a,), (lo_b,), (hi_b,) = *a, *b
-    return np.argwhere(((lo_a[:, None] <= hi_b) & (lo_b <= hi_a[:, None])).all(axis=2))
+    return np.argwhere(~((lo_a[:, None] > hi_b) | (lo_b > hi_a[:, None])).any(axis=2))

@@ -121,7 +121,7 @@ def near_pairs(
     met = np.zeros((len(a_parts), len(b_parts)), bool)
     for begin, end in zip(times, times[1:], strict=False):
         (lo_a, hi_a), (lo_b, hi_b) = (_boxes(parts, begin, end) for parts in (a_parts, b_parts))
-        met |= np.all((lo_a[:, None] <= hi_b[None]) & (lo_b[None] <= hi_a[:, None]), axis=2)
+        met |= ~np.any((lo_a[:, None] > hi_b[None]) | (lo_b[None] > hi_a[:, None]), axis=2)
     return [(int(i), int(j)) for i, j in zip(*np.nonzero(met), strict=True)]
 
 

@@ -97,7 +97,7 @@ class Settled:
 
     def _may_meet(self, pair: PiecePair) -> bool:
         (low, high), (low_q, high_q) = (chain.piece_box(k) for chain, k in zip(self.chains, pair, strict=True))
-        return bool((low <= high_q).all() and (low_q <= high).all())
+        return not ((low > high_q).any() or (low_q > high).any())
 
     def _strand(self, pair: PiecePair, branch: Branch) -> JoinedStrand:
         places = np.column_stack(

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
 from flint import arb, fmpq, fmpq_poly
@@ -66,30 +67,65 @@ class Window(NamedTuple):
     b: np.ndarray
 
 
+class Windows(Sequence[Window]):
+    """The windows of time in which two bodies follow one step each, in order, made as they are asked for: those of many
+    turns take milliseconds each.
+
+    first, last: doubles around all of them.
+    """
+
+    def __init__(self, motions: tuple[AnyMotion, AnyMotion], first: fmpq, last: fmpq) -> None:
+        self.motions = motions
+        self.steps = [known_steps(m) for m in motions]
+        cuts = {first, last}
+        for own in self.steps:
+            for step in own:
+                if step.end is not None:
+                    cuts |= {t for t in (step.start, *_inner_cuts(step), step.end) if first < t < last}
+                cuts.update(_between_turns(step, first, last))
+        times = sorted(cuts)
+        self.times = list(zip(times, times[1:] or times, strict=False))
+        self.first, self.last = below(first), above(last)
+        self.made: dict[int, Window] = {}
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    @overload
+    def __getitem__(self, k: int) -> Window: ...
+
+    @overload
+    def __getitem__(self, k: slice) -> list[Window]: ...
+
+    def __getitem__(self, k: int | slice) -> Window | list[Window]:
+        """Raises Untold."""
+        if isinstance(k, slice):
+            return [self[i] for i in range(*k.indices(len(self)))]
+        k = range(len(self))[k]
+        if k not in self.made:
+            begin, end = self.times[k]
+            of_both = zip(self.motions, self.steps, strict=True)
+            pair = [_stretch(m, step_index(own, begin, end), begin, end) for m, own in of_both]
+            self.made[k] = Window(*_rounded(begin, end), *pair)
+        return self.made[k]
+
+
 def windows(a: Body, b: Body, first: fmpq, last: fmpq) -> list[Window]:
-    """The windows of time in which both bodies follow one step each, in order."""
+    """All windows.  Raises Untold."""
+    return list(windows_in_turn(a, b, first, last))
+
+
+def windows_in_turn(a: Body, b: Body, first: fmpq, last: fmpq) -> Windows:
+    """The windows, each made when its turn comes."""
     motion_a = a.motion if isinstance(a, Moving) else REST
     motion_b = b.motion if isinstance(b, Moving) else REST
     return _windows_of(motion_a, motion_b, int(first.p), int(first.q), int(last.p), int(last.q))
 
 
 @lru_cache(maxsize=128)
-def _windows_of(motion_a: AnyMotion, motion_b: AnyMotion, p: int, q: int, r: int, s: int) -> list[Window]:
+def _windows_of(motion_a: AnyMotion, motion_b: AnyMotion, p: int, q: int, r: int, s: int) -> Windows:
     """Over [p / q, r / s]: whole numbers, since rationals take a microsecond to hash."""
-    motions, first, last = (motion_a, motion_b), fmpq(p, q), fmpq(r, s)
-    steps = [known_steps(m) for m in motions]
-    cuts = {first, last}
-    for own in steps:
-        for step in own:
-            if step.end is not None:
-                cuts |= {t for t in (step.start, *_inner_cuts(step), step.end) if first < t < last}
-            cuts.update(_between_turns(step, first, last))
-    times = sorted(cuts)
-    found = []
-    for begin, end in zip(times, times[1:] or times, strict=False):
-        pair = [_stretch(m, step_index(own, begin, end), begin, end) for m, own in zip(motions, steps, strict=True)]
-        found.append(Window(*_rounded(begin, end), *pair))
-    return found
+    return Windows((motion_a, motion_b), fmpq(p, q), fmpq(r, s))
 
 
 def _inner_cuts(step: Step) -> list[fmpq]:

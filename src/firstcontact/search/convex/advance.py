@@ -7,7 +7,7 @@ common point; what neither settles is "open" (see `kernels.convex.advancement`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, TypedDict
@@ -53,7 +53,7 @@ from firstcontact.kernels.workspace import (
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.curved import CurvedPiece, step_at
 from firstcontact.motion.relative.pieces import curved_pieces
-from firstcontact.motion.relative.stretches import Untold, Window, windows
+from firstcontact.motion.relative.stretches import Untold, Window, windows_in_turn
 from firstcontact.search.convex.close_up import CloseUp, Passage
 from firstcontact.search.convex.common_point import PieceMeeting
 from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
@@ -143,13 +143,13 @@ def advance(
     try:
         pieces_of = covering_pieces if covering else convex_pieces
         pieces_a, pieces_b = pieces_of(shape_of(a)), pieces_of(shape_of(b))
-        stretches = windows(a, b, begin, end)
+        stretches = windows_in_turn(a, b, begin, end)
+        search = PieceSearch(pieces_a, pieces_b, stretches, tolerance, budget, (stretches.first, stretches.last))
+        search.motions = lambda: curved_pieces(a, b, begin, end)
+        search.enough = math.inf if enough is None else above(enough)
+        return search.run()
     except (NotConvex, Untold) as reason:
         return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))
-    search = PieceSearch(pieces_a, pieces_b, stretches, tolerance, budget)
-    search.motions = lambda: curved_pieces(a, b, begin, end)
-    search.enough = math.inf if enough is None else above(enough)
-    return search.run()
 
 
 def _exact(t: float | fmpq) -> fmpq:
@@ -160,11 +160,14 @@ class PieceSearch:
     """One query: windows in time order, in each all pairs of pieces, clipped at the earliest contact so far."""
 
     def __init__(
-        self, a: ConvexPieces, b: ConvexPieces, stretches: list[Window], tolerance: float, budget: int
-    ) -> None:
+        self, a: ConvexPieces, b: ConvexPieces, stretches: Sequence[Window], tolerance: float, budget: int,
+        span: tuple[float, float] | None = None,
+    ) -> None:  # fmt: skip
+        """span: of all stretches, where these are made in turn."""
         self.a, self.b = a, b
         self.windows = stretches
-        self.width = tolerance * (stretches[-1].last - stretches[0].first)
+        first, self.last = span or (stretches[0].first, stretches[-1].last)
+        self.width = tolerance * (self.last - first)
         self.budget = budget
         self.workspace, self.counters = workspace()
         self.results = self.workspace[IN_RESULTS]
@@ -180,7 +183,7 @@ class PieceSearch:
             if k > 0 and found.status == "initial":
                 return self._at_seam(window, found)
             return found
-        return self._answer("free", self.windows[-1].last)
+        return self._answer("free", self.last)
 
     def _at_seam(self, window: Window, found: Advance) -> Advance:
         """A common point at the start of a later window: all before it was proved free."""
