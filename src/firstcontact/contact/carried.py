@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -16,7 +17,8 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
 
 Carry = Callable[[float], np.ndarray]
-"""The rigid (4, 4) pose at a time of the world that was asked about, in the one of the question."""
+"""The (4, 4) pose at a time of the world that was asked about, in the one of the question: rigid, but for a power of
+two by which lengths may differ."""
 
 
 def carried(found: FirstContact, carry: Carry, a: Body, b: Body) -> FirstContact:
@@ -32,10 +34,15 @@ def _places(found: FirstContact, carry: Carry) -> dict[str, object]:
     if found.point is not None:
         there["point"] = _placed(pose, found.point)
     if found.normal is not None:
-        there["normal"] = pose[:3, :3] @ found.normal
+        there["normal"] = pose[:3, :3] @ found.normal / _larger(pose)
     if isinstance(found.contact_set, ContactSet):
         there["contact_set"] = ContactSet(str(found.contact_set), _placed(pose, found.contact_set.points))
     return there
+
+
+def _larger(pose: np.ndarray) -> float:
+    """How many times as long lengths are there; 1 where the pose is rigid."""
+    return float(2.0 ** round(math.log2(float(np.linalg.norm(pose[:3, 0])))))
 
 
 def _listed(listed: Subproblem, carry: Carry) -> Subproblem:

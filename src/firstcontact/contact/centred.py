@@ -1,6 +1,8 @@
-"""Small bodies far from the origin are asked about near it: there doubles tell their coordinates to more digits.
+"""Small bodies far from the origin are asked about near it: there doubles tell their coordinates to more digits.  Very
+large and very small ones are asked about in another unit, so that sizes of no question are beyond what searches take.
 
-All of the world is shifted, exactly, by a vector of few binary digits; the points of the answer are shifted back.
+All of the world is shifted, exactly, by a vector of few binary digits, and scaled by a power of two; the points of the
+answer are brought back.
 """
 
 from __future__ import annotations
@@ -11,7 +13,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from flint import fmpq
 
+from firstcontact.body.compound.compound import Compound
 from firstcontact.body.kept import Kept
 from firstcontact.contact.carried import carried
 from firstcontact.contact.ways import R
@@ -32,12 +36,18 @@ FAR = 2.0**10
 BESIDE = 2.0
 """Sizes beyond which shifting gains any digits at all."""
 
+ORDINARY = 12
+"""Bits of sizes, above 1 and below, of which nothing is scaled."""
+
+World = tuple[Vector, fmpq]
+"""A shift, and by how much all is made larger after it."""
+NOWHERE: Vector = (fmpq(0),) * 3
 _Place = tuple[float, tuple[float, ...], float]
 """Size, middle, and the greatest coordinate of it; ordered by size."""
 _PLACE = Kept[_Place]()
 _FAR_AWAY = np.full(3, math.inf)
-_COPIES = Kept[dict[tuple[Vector, str | None], Any]]()
-"""Shifted shapes, by the shift and their name: they keep what queries work out about them."""
+_COPIES = Kept[dict[tuple[Vector, fmpq, str | None], Any]]()
+"""Shapes in other worlds, by these and their name: they keep what queries work out about them."""
 
 
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
@@ -49,12 +59,13 @@ def first_anew(
     answer: Callable[[Query], FirstContact], query: Query, far: float = BESIDE
 ) -> FirstContact | None:
     """What it tells of bodies so far from the origin, such as doubles left open; None of those that are nearer."""
-    by = _shift(query, far)
-    if by is None:
+    world = _world(query, far)
+    if world is None:
         return None
-    back = np.eye(4)
+    by, factor = world
+    back = np.diag([*[1.0 / to_double(factor)] * 3, 1.0])
     back[:3, 3] = [-to_double(c) for c in by]
-    return carried(answer(_shifted(query, by)), lambda time: back, query.a, query.b)
+    return carried(answer(_seen_in(query, world)), lambda time: back, query.a, query.b)
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
@@ -66,25 +77,32 @@ def intervals_anew(
     answer: Callable[[Query], ContactIntervals], query: Query, far: float = BESIDE
 ) -> ContactIntervals | None:
     """As `first_anew`."""
-    by = _shift(query, far)
-    return None if by is None else replace(answer(_shifted(query, by)), a=query.a, b=query.b)
+    world = _world(query, far)
+    return None if world is None else replace(answer(_seen_in(query, world)), a=query.a, b=query.b)
 
 
 def _near(
     anew: Callable[[Callable[[Query], R], Query, float], R | None], answer: Callable[[Query], R], query: Query
 ) -> R:
-    """What is told anew of bodies far from the origin, else what `answer` tells."""
+    """What is told anew of bodies far from the origin, or of far other sizes, else what `answer` tells."""
     found = anew(answer, query, FAR)
     return answer(query) if found is None else found
 
 
-def _shift(query: Query, far: float) -> Vector | None:
-    """What brings the smaller body to the origin; None where it is within so many of its sizes, or there already."""
-    size, middle, reach = min(_place(shape_of(query.a), query), _place(shape_of(query.b), query))
-    if reach <= far * size:
-        return None
-    by = to_origin(middle, size)
-    return by if any(by) else None
+def _world(query: Query, far: float) -> World | None:
+    """What brings the smaller body to the origin, and to a size of about 1; None where it is within so many of its
+    sizes, or there already, and of an ordinary size."""
+    shapes = shape_of(query.a), shape_of(query.b)
+    size, middle, reach = min(_place(shape, query) for shape in shapes)
+    by = to_origin(middle, size) if reach > far * size else NOWHERE
+    _, bits = math.frexp(size)
+    factor = fmpq(2) ** -bits if ORDINARY < abs(bits) and all(map(_may_be_scaled, shapes)) else fmpq(1)
+    return (by, factor) if any(by) or factor != 1 else None
+
+
+def _may_be_scaled(shape: Shape) -> bool:
+    """Of compounds answers tell lengths: how far these are from what a file has."""
+    return not getattr(shape, "deforming", False) and not isinstance(shape, Compound)
 
 
 def _place(shape: Shape, query: Query) -> _Place:
@@ -115,14 +133,23 @@ def _seen(shape: RuledSurface | RuledStrip, span: tuple[float, float]) -> tuple[
     return (seen.min(axis=0), seen.max(axis=0)) if len(seen) else (-_FAR_AWAY, _FAR_AWAY)
 
 
-def _shifted(query: Query, by: Vector) -> Query:
-    a, b = (_shifted_body(body, by) for body in query.bodies)
+def _seen_in(query: Query, world: World) -> Query:
+    a, b = (_body_in(body, world) for body in query.bodies)
     return replace(query, a=a, b=b)
 
 
-def _shifted_body(body: Any, by: Vector) -> Any:
+def _body_in(body: Any, world: World) -> Any:
+    by, factor = world
     shape = shape_of(body)
-    known, key = _COPIES.of(shape, dict), (by, shape.name)
+    known, key = _COPIES.of(shape, dict), (by, factor, shape.name)
     if key not in known:
-        known[key] = shape.translated(by)
-    return Moving(known[key], body.motion.shifted(by)) if isinstance(body, Moving) else known[key]
+        there = shape.translated(by) if any(by) else shape
+        known[key] = there if factor == 1 else there.transformed(_magnifying(factor))
+    if not isinstance(body, Moving):
+        return known[key]
+    motion = body.motion.shifted(by) if any(by) else body.motion
+    return Moving(known[key], motion if factor == 1 else motion.magnified(factor))
+
+
+def _magnifying(factor: fmpq) -> list[list[fmpq]]:
+    return [[(factor if i < 3 else fmpq(1)) if i == j else fmpq(0) for j in range(4)] for i in range(4)]

@@ -72,6 +72,10 @@ class Drive(Motion):
         """The same joint in a world shifted by a vector."""
         return self._with(self.motion.shifted(by), self.values)
 
+    def magnified(self, factor: fmpq) -> Drive:
+        """The same joint in a world whose lengths are so many times as long."""
+        return self._with(self.motion.magnified(factor), self.values)
+
     def _with(self, motion: Simple, values: Iterable[Value]) -> Drive:
         return Drive(self.name, self.unit, motion, values, limits=self.limits, mimic=self.mimic)
 
@@ -205,6 +209,10 @@ class Linkage(Motion):
     def shifted(self, by: Vector) -> Linkage:
         """The same motion in a world shifted by a vector."""
         return Linkage(self.times, [d.shifted(by) for d in self.drives])
+
+    def magnified(self, factor: fmpq) -> Linkage:
+        """The same motion in a world whose lengths are so many times as long."""
+        return Linkage(self.times, [d.magnified(factor) for d in self.drives])
 
     def _facts(self) -> tuple[Hashable, ...]:
         return self.times, self.drives

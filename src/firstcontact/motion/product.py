@@ -67,6 +67,10 @@ class Product(Motion):
         """The same motion in a world shifted by a vector."""
         return Product(JointFactor(f.motion.shifted(by), f.value) for f in self.factors)
 
+    def magnified(self, factor: fmpq) -> Product:
+        """The same motion in a world whose lengths are so many times as long."""
+        return Product(JointFactor(f.motion.magnified(factor), f.value) for f in self.factors)
+
     def _facts(self) -> tuple[Hashable, ...]:
         return self.factors
 

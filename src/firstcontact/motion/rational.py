@@ -154,6 +154,13 @@ class RationalMotion(Motion):
             moved.append([[*row[:3], row[3] - dot(row[:3], by)] for row in (*rows, weights)])
         return RationalMotion(moved)
 
+    def magnified(self, factor: fmpq) -> RationalMotion:
+        """The same motion in a world whose lengths are so many times as long."""
+        return RationalMotion([
+            [*([*row[:3], factor * row[3]] for row in m[:3]), [*(x / factor for x in m[3][:3]), m[3][3]]]
+            for m in self.coefficients
+        ])  # fmt: skip
+
     def _facts(self) -> tuple[Hashable, ...]:
         return self.coefficients
 

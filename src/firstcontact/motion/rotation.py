@@ -11,7 +11,7 @@ from flint import arb, fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, to_double
-from firstcontact.exact.vectors import Vector, add, cross, dot, sub
+from firstcontact.exact.vectors import Vector, add, cross, dot, scaled, sub
 from firstcontact.motion.translation import SPAN, bounded, double_of, vector3
 from firstcontact.motion.value import Motion, number, numbers
 
@@ -72,6 +72,10 @@ class Rotation(Motion):
     def shifted(self, by: Vector) -> Rotation:
         """The same motion in a world shifted by a vector."""
         return _rebuild(self.axis, add(self.point, by), self.unit, self.angle)
+
+    def magnified(self, factor: fmpq) -> Rotation:
+        """The same motion in a world whose lengths are so many times as long."""
+        return _rebuild(self.axis, scaled(factor, self.point), self.unit, self.angle)
 
     def _facts(self) -> tuple[Hashable, ...]:
         return self.axis, self.point, self.unit, self.angle

@@ -97,6 +97,10 @@ class Screw(Motion):
         """The same motion in a world shifted by a vector."""
         return _rebuild(self.axis, add(self.point, by), self.unit, self.angle, self.advance)
 
+    def magnified(self, factor: fmpq) -> Screw:
+        """The same motion in a world whose lengths are so many times as long."""
+        return _rebuild(self.axis, scaled(factor, self.point), self.unit, self.angle, factor * self.advance)
+
     def _facts(self) -> tuple[Hashable, ...]:
         return self.axis, self.point, self.unit, self.angle, self.advance
 

@@ -122,6 +122,10 @@ class Sequence(Motion):
         """The same motion in a world shifted by a vector."""
         return Sequence([step.shifted(by) for step in self.steps], self.durations)
 
+    def magnified(self, factor: fmpq) -> Sequence:
+        """The same motion in a world whose lengths are so many times as long."""
+        return Sequence([step.magnified(factor) for step in self.steps], self.durations)
+
     def _facts(self) -> tuple[Hashable, ...]:
         return self.steps, self.ends
 

@@ -11,7 +11,7 @@ from flint import fmpq
 
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational, to_double
-from firstcontact.exact.vectors import Vector
+from firstcontact.exact.vectors import Vector, scaled
 from firstcontact.motion.value import Motion, numbers
 
 if TYPE_CHECKING:
@@ -80,6 +80,10 @@ class Translation(Motion):
     def shifted(self, by: Vector) -> Translation:
         """The same motion in a world shifted by a vector."""
         return self
+
+    def magnified(self, factor: fmpq) -> Translation:
+        """The same motion in a world whose lengths are so many times as long."""
+        return Translation(scaled(factor, self.vector))
 
     def _facts(self) -> tuple[Hashable, ...]:
         return self.vector

@@ -69,6 +69,7 @@ class Ring(Heights):
         """Rows p, n, c: p rho + n . x + c is negative behind the wall."""
         self.count = len(self.radii) + len(self.walls)
 
+    @np.errstate(divide="ignore", invalid="ignore")  # on the axis and in the middle of the tube no direction is told
     def around(self, c: np.ndarray, reach: np.ndarray) -> Around:
         rho = np.hypot(c[:, 0], c[:, 1])
         across = rho - self.major

@@ -75,6 +75,10 @@ class NotCharted(Exception):
     """The model has a feature without a chart; the text says which."""
 
 
+class TooFine(NotCharted):
+    """The numbers of this body want more boxes than are made, not its kind: that is a want of precision."""
+
+
 @dataclass(frozen=True, eq=False)
 class Chart:
     """feature: a Face, Edge or Vertex; boxes: (n, 4) u, half, v, half that may hold its points; whole: (n,) whether
@@ -358,10 +362,10 @@ class _ChartBuilder:
             if not cut.any():
                 break
             if len(boxes) > MOST_BOXES:
-                raise NotCharted(f"{feature.name}: it comes too near infinity")
+                raise TooFine(f"{feature.name}: it wants too many boxes")
             boxes = np.concatenate([boxes[~cut], _halves(boxes[cut])])
         else:
-            raise NotCharted(f"{feature.name}: it comes too near infinity")
+            raise TooFine(f"{feature.name}: it wants too many boxes")
         if len(boxes):
             yield Chart(feature, surfaces, params, table, boxes, fates == 3, form=form)
 

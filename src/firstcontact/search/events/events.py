@@ -41,7 +41,7 @@ from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.search.convex.convex import covering_pieces
-from firstcontact.search.events.charts import NotCharted
+from firstcontact.search.events.charts import NotCharted, TooFine
 from firstcontact.search.events.event_tables import Tables, tables_of
 from firstcontact.search.events.instants import PlacedForms, scratch_for
 from firstcontact.search.events.shared_points import proved_at, shared_point, without_corners
@@ -97,7 +97,7 @@ def first_event(
         tables = tables_of(*models)
         stretches = windows(a, b, first, last)
     except (NotCharted, Untold) as reason:
-        return Advance("open", below(first), reason=str(reason))
+        return Advance("open", below(first), reason="precision" if isinstance(reason, TooFine) else str(reason))
     search = EventSearch(a, b, tables, stretches, tolerance, budget)
     search.counters[VISITS] = covers.steps  # one budget for both
     if covers.status == "contact" and (touched := search.touched(covers, last)) is not None:
