@@ -112,7 +112,8 @@ def test_a_mechanism_in_other_units():
     """A ball on an arm that turns and slides."""
     found = []
     for k in (1.0, 2.0**40, 2.0**-40):
-        links = {"wall": larger(fc.box((1, 1, 4)).translated((0, 5, 0)) - fc.cylinder("1/4", 9).translated((0, 5, 0)), k),
+        bored = fc.box((1, 1, 4)).translated((0, 5, 0)) - fc.cylinder("1/4", 9).translated((0, 5, 0))
+        links = {"wall": larger(bored, k),
                  "arm": larger(fc.sphere("1/10").translated((0, 0, 9)), k),
                  "ball": larger(fc.sphere("1/2").translated((3, 0, 0)), k)}  # fmt: skip
         joints = [fc.Joint("turn", "revolute", "wall", "arm", axis=(0, 0, 1)),

@@ -419,13 +419,25 @@ def test_a_torn_part_is_done_again(batch, queries, tmp_path, monkeypatch, small_
         batch(path)
     part = tmp_path / "answers.jsonl.parts" / "rows-000000000002-000000000006.parquet"
     data = bytearray(part.read_bytes())
-    if harm == "truncated":
-        part.write_bytes(data[:-9])
-    else:
-        data[60] ^= 0xFF
-        part.write_bytes(data)
+    data[60] ^= 0xFF
+    part.write_bytes(data[:-9] if harm == "truncated" else data)
+    assert batch(path)[1] == whole
+
+
+def test_a_part_that_is_torn_meanwhile_is_named(batch, queries, tmp_path, monkeypatch, small_parts):
+    path = queries(shifts(20))
+    _, whole = batch(path, out="whole.jsonl")
+    with monkeypatch.context() as patch, pytest.raises(Killed):
+        kill_at(patch, 8)
+        batch(path)
+    part = tmp_path / "answers.jsonl.parts" / "rows-000000000002-000000000006.parquet"
+    data = bytearray(part.read_bytes())
+    data[60] ^= 0xFF
+    part.write_bytes(data)
+    with monkeypatch.context() as patch:
+        patch.setattr("firstcontact.batch.kept_parts.KeptParts._is_whole", lambda *_: True)
         outcome, _ = batch(path)
-        assert outcome.code == 3 and "damaged, and removed; the same command does it again" in outcome.err
+    assert outcome.code == 3 and "damaged, and removed; the same command does it again" in outcome.err
     assert batch(path)[1] == whole
 
 

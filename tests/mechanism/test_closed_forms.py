@@ -145,6 +145,8 @@ def cubic(mechanism, velocities):
         (lambda m: m.course([0, 1], {"hinge": "1e400"}), "the value of joint 'hinge' is '1e400'"),
         (lambda m: cubic(m, {"hinge": [0, "1e400"]}), r"velocities\[1\] of joint 'hinge' is '1e400'"),
         (lambda m: m.course([0, 1], None), "values: None is no dict"),
+        (lambda m: m.course([0, 1e160], {}), r"times\[1\] is 1e\+160; give a number below 2\^150"),
+        (lambda m: m.course([0, 1e-160], {}), r"times\[1\] lies less than 2\^-150 after times\[0\]"),
         (lambda m: cubic(m, [1]), r"velocities: \[1\] is no dict"),
         (lambda m: m.sweep("hinge", at="k"), "at: 'k' is no dict"),
         (lambda m: m.sweep(at={"neck": 1}), "at: no joint 'neck' takes a value"),

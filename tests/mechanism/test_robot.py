@@ -172,6 +172,7 @@ def test_wrong_files_and_links_are_named():
         (('type="revolute"', 'type="floating"'), "joint 'turn' is 'floating'"),
         (('<child link="lower"/>', '<child link="ball"/>'), "names the link 'ball', which is not there"),
         (("</robot>", ""), "no XML (no element found"),
+        (('<robot name="lamp"', "<robot"), "its first element is <robot>, not <robot name=...>"),
         (('size="0.03 0.03 0.3"', 'size="0.03 0.03"'), "link 'lower': collision 0: size of its box is '0.03 0.03'"),
         (('size="0.03 0.03 0.3"', 'size="0.03"'), "give 3 finite numbers"),
         (('axis xyz="0 0 1"', 'axis xyz="0 0"'), "joint 'turn': xyz of its axis is '0 0'; give 3 finite numbers"),

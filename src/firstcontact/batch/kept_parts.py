@@ -141,7 +141,8 @@ class KeptParts(KeptFiles):
 
     def _is_whole(self, path: Path, rows: int) -> bool:
         try:
-            whole: bool = pyarrow("parquet").read_metadata(path).num_rows == rows
+            table = pyarrow("parquet").read_table(path, page_checksum_verification=True)
+            whole: bool = table.num_rows == rows
         except (pyarrow().ArrowException, OSError):
             return False
         return whole

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from flint import fmpq
 
 from firstcontact.errors import InputError, shown
-from firstcontact.exact.numbers import exact_value, rational, to_double
+from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.motion.product import Value
-from firstcontact.motion.translation import bounded
+from firstcontact.motion.translation import LARGEST, bounded
 
 if TYPE_CHECKING:
     from firstcontact.exact.numbers import Given
@@ -22,13 +22,15 @@ JointValues: TypeAlias = "Mapping[str, Given | Iterable[Given]]"
 
 
 def read_times(values: Iterable[Given]) -> tuple[fmpq, ...]:
-    """Ascending exact times, two or more."""
-    times = tuple(rational(t, f"times[{k}]") for k, t in enumerate(_listed(values, "times")))
+    """Ascending exact times, two or more, of numbers that doubles hold with their quotients."""
+    times = tuple(bounded(t, f"times[{k}]") for k, t in enumerate(_listed(values, "times")))
     if len(times) < 2:
         raise InputError(f"{len(times)} times are given; give at least two")
     for k, (early, late) in enumerate(itertools.pairwise(times)):
         if not early < late:
             raise InputError(f"times[{k + 1}] does not lie after times[{k}]; give ascending times")
+        if late - early < 1 / LARGEST:
+            raise InputError(f"times[{k + 1}] lies less than 2^-150 after times[{k}]; give times farther apart")
     return times
 
 

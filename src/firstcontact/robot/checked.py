@@ -20,6 +20,8 @@ SHAPES = {
 
 def check(path: Path, robot: Element) -> None:
     """InputError that names the link or joint of the first thing that cannot be read."""
+    if robot.tag != "robot" or not robot.get("name"):
+        raise InputError(f"{path}: its first element is <{robot.tag}>, not <robot name=...>; give URDF")
     _check_names(path, robot)
     for link in robot.findall("link"):
         who = f"{path}: link {_named(path, link, 'link')!r}"

@@ -151,13 +151,13 @@ class _Frames:
         simple = re.match(rb"CARTESIAN_TRANSFORMATION_OPERATOR_3D\s*\((.*)\)\s*$", body, re.S)
         general = re.search(rb"CARTESIAN_TRANSFORMATION_OPERATOR\s*\(([^()]*)\)", body)
         own = re.search(rb"CARTESIAN_TRANSFORMATION_OPERATOR_3D\s*\(([^()]*)\)", body)
-        if simple:
-            first, second, _, scale, third = _arguments(simple[1])[-5:]
-        elif general and own:
-            (first, second, _, scale), third = _arguments(general[1])[-4:], _arguments(own[1])[-1]
-        else:
-            return
         who = f"{path}: entity #{number} (CARTESIAN_TRANSFORMATION_OPERATOR_3D)"
+        given = _arguments(simple[1]) if simple else []
+        if general and own:
+            given = [b"", b"", b"", *_arguments(general[1]), *_arguments(own[1])]
+        if len(given) != 8:
+            raise InputError(f"{who} has not the attributes that it needs; export the model again")
+        first, second, _, scale, third = given[3:]
         hint = "export the model with that part in its size and shape, placed by a rotation and a shift"
         if scale != b"$" and float(scale) != 1.0:
             raise InputError(f"{who} scales what it places by {float(scale):g}; {hint}")
