@@ -38,6 +38,7 @@ FAULTS = {
     "MULTAX\nFROM/0,0,0\nGOTO/1,2,3,0,0,0": "line 3: GOTO: the tool axis is zero",
     "MULTAX\nFROM/0,0,0,0,1,1\nGOTO/1,2,3,0,-1,-1": "line 3: GOTO: the tool axis turns by half a turn",
     "CIRCLE/0,0,0,0,0,1,5": "line 1: CIRCLE: not read",
+    "FINI\nPPRINT/next\nGODLTA/1,2,3": "line 3: GODLTA: after FINI, where the program ends",
     "UNITS/FEET": "line 1: UNITS/FEET: not read",
     "CYCLE/DRILL,5": "line 1: CYCLE: not read",
 }

@@ -200,6 +200,11 @@ def test_several_tools_are_called_by_number(tmp_path):
     file.write_text("T3 M6\nG1 X40")
     with pytest.raises(fc.InputError, match="line 2: T3: there is no such tool; the tools are thin .number 1., wide"):
         list(fc.ToolPath(file, start=(0, 0, 0)).verdicts([thin, wide], body))
+    with pytest.raises(fc.InputError, match="line 2: T3: there is no such tool; the tools are thin .number 1."):
+        list(fc.ToolPath(file, start=(0, 0, 0)).verdicts(thin, body))
+    of_all = fc.Tool([("wide", "cutter", 20, 20)], "wide")  # without a number
+    (verdict,) = fc.ToolPath(file, start=(0, 0, 0)).verdicts(of_all, body, workers=1)
+    assert verdict.status == "CONTACT"
 
 
 @pytest.mark.parametrize(("given", "what"), [

@@ -109,9 +109,10 @@ class Setup:
             self.tool_of(block)
 
     def tool_of(self, block: Block) -> Tool:
-        """The tool that a block moves: the only one, or the one that was called."""
-        if len(self.tools) == 1:
-            return self.tools[0]
+        """The tool that a block moves: the one that was called, or the only one, unless it has another number."""
+        only = self.tools[0] if len(self.tools) == 1 else None
+        if only is not None and (None in (only.number, block.tool) or only.number == block.tool):
+            return only
         tool = next((x for x in self.tools if x.number is not None and x.number == block.tool), None)
         if tool is None:
             called = "no tool is called before" if block.tool is None else f"T{block.tool}: there is no such tool"

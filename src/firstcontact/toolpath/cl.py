@@ -30,7 +30,7 @@ def read_cl(path: Path, start: Vector | None = None, unit: str = "mm") -> Iterat
     inch = fmpq(1) if unit in ("in", "inch") else INCH
     per_unit = fmpq(1)
     at, axis = start, UP
-    rapid = five = False
+    rapid = five = ended = False
     tool: int | None = None
     for line, statement in _statements(path):
         if _is_text(statement):
@@ -38,6 +38,8 @@ def read_cl(path: Path, start: Vector | None = None, unit: str = "mm") -> Iterat
         word, _, rest = statement.partition("/")
         word, rest = word.strip().upper(), rest.strip().upper()
         if word in ("GOTO", "GODLTA", "FROM"):
+            if ended:
+                raise Fault(path, line, word, "after FINI, where the program ends; give what follows as one of its own")
             numbers = [per_unit * x if k < 3 else x for k, x in enumerate(_numbers(path, line, word, rest))]
             if len(numbers) not in ((3,) if word == "GODLTA" else (3, 6)):
                 wanted = "x, y, z" if word == "GODLTA" else "x, y, z, or x, y, z, i, j, k"
@@ -71,6 +73,7 @@ def read_cl(path: Path, start: Vector | None = None, unit: str = "mm") -> Iterat
                 raise Fault(path, line, f"UNITS/{rest}", "not read; give MM or INCH")
             per_unit = inch / INCH if rest == "MM" else inch
         elif word in STILL or word == "CYCLE" and rest == "OFF":
+            ended = ended or word == "FINI"
             if word in ("LOADTL", "TOOLNO"):
                 digits = re.match(r"\d+", rest)
                 tool = int(digits[0]) if digits else tool

@@ -60,6 +60,8 @@ class Machine:
     centre_absolute: bool = False
     to_initial: bool = True
     zero: str = ""
+    ended: str = ""
+    """The word after which nothing moves any more."""
     tool: int | None = None
     chosen: int | None = None
     cycle: dict[str, fmpq] = field(default_factory=dict)
@@ -86,6 +88,9 @@ class _Reader:
 
     def __init__(self, path: Path, machine: Machine) -> None:
         self.path, self.machine, self.line = path, machine, 0
+        self.ending = ""
+        """What ends the program in this line."""
+        self.has_begun = False
 
     def fault(self, word: str, what: str) -> Fault:
         return Fault(self.path, self.line, word, what)
@@ -100,7 +105,12 @@ class _Reader:
         if away is not None:
             return self._away(away, words, text)
         named = [x for x in XYZ if x in words]
-        if "4" in codes or not named and not ({"I", "J", "K"} & set(words) and m.mode in ("2", "3")):
+        moving = named or [x for x in "IJK" if x in words and m.mode in ("2", "3")]
+        if m.ended and moving:
+            word = f"{moving[0]}{words[moving[0]][0]}"
+            raise self.fault(word, f"after {m.ended}, where the program ends; give what follows as one of its own")
+        m.ended = m.ended or self.ending
+        if "4" in codes or not moving:
             self._without_motion(words, codes)
             return None
         if m.mode is None:
@@ -119,8 +129,10 @@ class _Reader:
     def _words(self, text: str) -> tuple[dict[str, tuple[str, fmpq]], list[str]]:
         """Words but G by letter, as text and value, and the numbers of G words."""
         plain = (COMMENT.sub(" ", text) if "(" in text or ";" in text else text).upper().strip().removeprefix("/")
+        self.ending = "%" if plain.startswith("%") and self.has_begun else ""
         if plain.startswith("%") or not plain:
             return {}, []
+        self.has_begun = True
         words: dict[str, tuple[str, fmpq]] = {}
         codes: list[str] = []
         for letter, digits, other in WORD.findall(plain):
@@ -137,7 +149,9 @@ class _Reader:
         return words, codes
 
     def _miscellaneous(self, digits: str) -> list[str]:
-        """M words move nothing; a change of tools counts."""
+        """M words move nothing; a change of tools counts, and the end."""
+        if digits.lstrip("0") in ("2", "30"):
+            self.ending = f"M{digits}"
         if digits.lstrip("0") in ("97", "98", "99"):
             raise self.fault(f"M{digits}", "subprograms are not read; write their blocks in their place")
         return [CHANGE] if digits.lstrip("0") == "6" else []
