@@ -181,7 +181,7 @@ FAULTS = {
     "R5": "line 1: R5: no X, Y or Z",
     "G1 X1 M30\nG4 P1\nG1 X9": "line 3: X9: after M30, where the program ends",
     "G1 X1\nM02\n(part 2)\nY1": "line 4: Y1: after M02, where the program ends",
-    "G2 X1 I5 M30\nI3": "line 2: I3: after M30",
+    "G2 X10 I5 M30\nI3": "line 2: I3: after M30",
     "%\nG1 X1\n%\nX2": "line 4: X2: after %, where the program ends",
 }
 
