@@ -50,6 +50,12 @@ def cone(bottom, top, height, place=(0, 0, 0), direction=(0, 0, 1)):
     return BRepPrimAPI_MakeCone(axis(place, direction), bottom, top, height).Shape()
 
 
+def sector(bottom, top, height, angle):
+    """Of a cone about an axis along none of the coordinates."""
+    place = gp_Ax2(gp_Pnt(0.3, -0.4, 0.1), gp_Dir(0.45, -0.53, 0.72))
+    return BRepPrimAPI_MakeCone(place, bottom, top, height, angle).Shape()
+
+
 def sphere(radius, at=(0, 0, 0)):
     return BRepPrimAPI_MakeSphere(gp_Pnt(*at), radius).Shape()
 

@@ -275,3 +275,23 @@ def test_faces_that_do_not_enclose_what_they_bound_are_told(monkeypatch):
     found = rough.rough(solid, 0.01)
     with pytest.raises(fc.InputError, match="do not enclose what they bound"):
         bodies._check_volume(solid, found.corners, found.deviation)
+
+
+@pytest.mark.parametrize("low", [0.0, 0.75])
+@pytest.mark.parametrize("angle", [1.0, 2.5])
+def test_a_sector_of_a_turned_cone_meets_a_mesh(low, angle):
+    """Its sides pass the tip of its cone within roundings; the mesh has too many triangles to be one convex piece."""
+    shape = shapes.sector(2.0, low, 2.5, angle)
+    body, mesh = fc.from_shape(shape), fc.examples.box((1, 1, 1), divisions=(6, 6, 6))
+    assert body.deviation < 1e-6 and all(isinstance(x.body, fc.CompositeQuadric) for x in body.pieces)
+    shapes.same_points(shape, body)
+    rough = fc.from_shape(shape, surfaces=False)
+    met = 0
+    for at in ((1.2, 0.2, 9.0), (0.4, -1.3, 9.0), (-0.4, 0.7, 9.0), (0.9, -0.9, 9.0)):
+        moving = mesh.translated(at).moving(fc.Translation((0, 0, -16)))
+        hit, near = fc.first_contact(moving, body), fc.first_contact(moving, rough)
+        assert hit.status is near.status
+        if near.time is not None:
+            met += 1
+            assert hit.time == pytest.approx(near.time, abs=40 * rough.deviation / 16)
+    assert met >= 2

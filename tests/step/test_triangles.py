@@ -144,6 +144,7 @@ TIPS = {
     "upside down": lambda: shapes.cone(2, 0, 3),
     "needle": lambda: shapes.cone(0, 0.2, 5),
     "ball": lambda: shapes.sphere(2),
+    "sector of a cone": lambda: shapes.sector(2.0, 0.0, 2.5, 2.5),
     "half a cone": lambda: shapes.cut(shapes.cone(0, 2, 3), shapes.box((5, 5, 5), (0, -2.5, -1))),
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -75,6 +76,28 @@ def carrier_of(face: TopoDS_Face) -> Carrier | None:
     if kind == "Geom_CylindricalSurface":
         return Carrier(_round(p, d, ONE, exact_value(surface.Radius()), ZERO))
     return _cone(p, d, surface, face)
+
+
+def through_tips(carriers: Sequence[Carrier | None], room: float) -> list[Carrier | None]:
+    """The carriers, planes that pass the tip of a cone within that distance through it.
+
+    Sides of a sector do in the file, but for roundings: left as they are, they cut the cone in a curve that is next to
+    straight, and its tip would be a point of the solid, or not, by these.
+    """
+    apexes = (x.surface.apex for x in carriers if x is not None and isinstance(x.surface, Quadric))
+    tips = [tip for tip in apexes if tip is not None]
+    return [_through(x, tips, exact_value(room)) for x in carriers]
+
+
+def _through(carrier: Carrier | None, tips: list[Vector], room: fmpq) -> Carrier | None:
+    if carrier is None or not isinstance(carrier.surface, Plane):
+        return carrier
+    *normal, constant = carrier.surface.normal
+    for tip in tips:
+        height = dot(normal, tip[:3]) + constant
+        if height * height <= room * room * dot(normal, normal):
+            return carrier if height == 0 else Carrier(Plane(primitive((*normal, -dot(normal, tip[:3])))))
+    return carrier
 
 
 def is_on_torus(face: TopoDS_Face) -> bool:

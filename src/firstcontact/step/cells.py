@@ -32,7 +32,7 @@ from firstcontact.body.solid.regions import halved, parts
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import exact_value
 from firstcontact.step.asking import Asking
-from firstcontact.step.carriers import Carrier, NotExact, carrier_of, is_on_torus, plane
+from firstcontact.step.carriers import Carrier, NotExact, carrier_of, is_on_torus, plane, through_tips
 from firstcontact.step.rims import rims
 from firstcontact.step.rough import Rough, rough
 from firstcontact.step.rounds import TANGENT, AskingRest, TorusRound, joined
@@ -48,6 +48,8 @@ SHARES, MIDDLE = np.array([0.5, 0.4375, 0.5625, 0.375, 0.625]), 0.26
 """Of a cell: where a wall may halve it, beside the places between faces; and how far from the middle at most."""
 SURELY, CLOSELY = 1e-6, 1e-9
 """Of the solid's size: how far a point is from a surface whose side counts; and what an edge is off by rounding."""
+TIPS = 1e-12
+"""Of the solid's size: how far a plane passes a tip that goes through it."""
 OFF = 2e-4
 """Of the solid's size: how far from a face the points are of which one is inside and one outside."""
 RANDOM = 24
@@ -327,8 +329,8 @@ def _even(x: np.ndarray, size: float) -> np.ndarray:
 def _problem(solid: StepSolid) -> _Problem:
     known = _Carriers()
     of_face, rounds = list[int](), list[TorusRound]()
-    for number, face in enumerate(solid.faces):
-        carrier = carrier_of(face)
+    carriers = through_tips([carrier_of(face) for face in solid.faces], TIPS * solid.size)
+    for number, (face, carrier) in enumerate(zip(solid.faces, carriers, strict=True)):
         if carrier is not None:
             of_face.append(known.number(carrier))
             known.faces_on[of_face[-1]] += (number,)

@@ -59,7 +59,7 @@ def sagitta(chart: Elementary, uv: np.ndarray, parametric: np.ndarray) -> Sagitt
     x = (points - chart.origin) @ chart.axes.T
     radius = np.hypot(x[..., 0], x[..., 1])
     about = np.stack([_turned(x[:, i], x[:, j], radius[:, i], radius[:, j]) for i, j in _SIDES], axis=1)
-    tip = radius <= THIN * radius.max(axis=1, keepdims=True)
+    tip = radius <= THIN * np.abs(points).max(initial=0.0)  # that is what roundings leave of it, in small triangles too
     least = np.where(tip, np.inf, radius).min(axis=1)
     angles = np.sqrt(_over(about, np.stack([radius[:, i] * radius[:, j] for i, j in _SIDES], axis=1)).max(axis=1))
     narrow = np.ptp(uv[..., 0], axis=1) < WIDEST

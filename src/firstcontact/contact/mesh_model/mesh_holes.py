@@ -97,7 +97,8 @@ class HoledSearch(MeshSearch):
         try:
             charts_of(model)
         except NotCharted as reason:
-            raise UnsupportedPair(f"{who} meets small convex polyhedra only: {reason}") from reason
+            told = f"{who} meets small convex polyhedra only: {reason}"
+            raise UnsupportedPair(f"{told}; give it as triangles, a STEP part by surfaces=False") from reason
         super().__init__(mesh, covering_pieces(model), mesh_is_a, budget, progress)
         self.mesh, self.model = mesh, model
         self.lasting = LastingOfMesh(mesh, LastingSolid(model), mesh_is_a)
