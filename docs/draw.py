@@ -21,7 +21,7 @@ FLOORS = {
     "answers": ("curves", "contact", "timeline"),
     "finds": ("search",),
     "knows": ("pairs", "body", "motion", "brackets", "kernels", "exact"),
-    "ground": ("work", "result_curve", "result_table", "result", "errors"),
+    "ground": ("work", "result_curve", "result_table", "result", "errors", "interrupts"),
 }
 SAYS = {
     "__main__": "python -m firstcontact", "cli": "the commands", "view": "pages and pictures",
@@ -37,7 +37,7 @@ SAYS = {
     "body": "meshes, solids, ruled surfaces", "motion": "motions, relative motion", "brackets": "segments in brackets",
     "work": "Query, budget", "kernels": "compiled code", "exact": "numbers, polynomials, roots",
     "result_curve": "answers: curves", "result_table": "answers: tables", "result": "answers: contacts",
-    "errors": "InputError, UnsupportedPair",
+    "errors": "InputError, UnsupportedPair", "interrupts": "Ctrl-C while others load",
 }  # fmt: skip
 
 

@@ -28,10 +28,17 @@ from OCP.collections import Array1_gp_Pnt
 from OCP.GeomAbs import GeomAbs_CurveType
 from OCP.GeomAPI import GeomAPI_PointsToBSpline
 from OCP.gp import gp_Ax1, gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
+from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
+from OCP.STEPCAFControl import STEPCAFControl_Writer
 from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
+from OCP.TCollection import TCollection_ExtendedString
+from OCP.TDataStd import TDataStd_Name
+from OCP.TDocStd import TDocStd_Document
 from OCP.TopAbs import TopAbs_ShapeEnum, TopAbs_State
 from OCP.TopExp import TopExp_Explorer
+from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
+from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 
 
 def axis(place=(0, 0, 0), direction=(0, 0, 1)):
@@ -155,6 +162,41 @@ def write(path, *shapes):
     writer = STEPControl_Writer()
     for shape in shapes:
         writer.Transfer(shape, STEPControl_StepModelType.STEPControl_AsIs)
+    writer.Write(str(path))
+    return path
+
+
+def assembly(path):
+    """A plate with two pins, the second one turned by a quarter about z and shifted."""
+    document = TDocStd_Document(TCollection_ExtendedString("made"))
+    tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    root = tool.NewShape()
+
+    def named(label, name):
+        TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
+
+    named(root, "jig")
+    plate = tool.AddShape(box((10, 8, 1)), False)
+    pin = tool.AddShape(box((1, 2, 3)), False)
+    named(plate, "plate")
+    named(pin, "pin")
+    colours.SetColor(pin, Quantity_Color(1.0, 0.0, 0.0, Quantity_TypeOfColor.Quantity_TOC_RGB),
+                     XCAFDoc_ColorType.XCAFDoc_ColorSurf)  # fmt: skip
+    turn = gp_Trsf()
+    turn.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), np.pi / 2)
+    shift = gp_Trsf()
+    shift.SetTranslation(gp_Vec(5, 2, 4))
+    first = gp_Trsf()
+    first.SetTranslation(gp_Vec(1, 1, 4))
+    named(tool.AddComponent(root, plate, TopLoc_Location()), "plate")
+    named(tool.AddComponent(root, pin, TopLoc_Location(first)), "pin")
+    named(tool.AddComponent(root, pin, TopLoc_Location(shift.Multiplied(turn))), "pin")
+    tool.UpdateAssemblies()
+    writer = STEPCAFControl_Writer()
+    writer.SetNameMode(True)
+    writer.SetColorMode(True)
+    writer.Transfer(document)
     writer.Write(str(path))
     return path
 

@@ -8,58 +8,15 @@ import pytest
 
 pytest.importorskip("OCP")
 
-from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec  # noqa: E402
-from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor  # noqa: E402
-from OCP.STEPCAFControl import STEPCAFControl_Writer  # noqa: E402
-from OCP.TCollection import TCollection_ExtendedString  # noqa: E402
-from OCP.TDataStd import TDataStd_Name  # noqa: E402
-from OCP.TDocStd import TDocStd_Document  # noqa: E402
-from OCP.TopLoc import TopLoc_Location  # noqa: E402
-from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool  # noqa: E402
 
 import firstcontact as fc  # noqa: E402
 import step_shapes as shapes  # noqa: E402
 from firstcontact.cli import run  # noqa: E402
 
 
-def assembly(path):
-    """A plate with two pins, the second one turned by a quarter about z and shifted."""
-    document = TDocStd_Document(TCollection_ExtendedString("made"))
-    tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-    colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
-    root = tool.NewShape()
-
-    def named(label, name):
-        TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
-
-    named(root, "jig")
-    plate = tool.AddShape(shapes.box((10, 8, 1)), False)
-    pin = tool.AddShape(shapes.box((1, 2, 3)), False)
-    named(plate, "plate")
-    named(pin, "pin")
-    colours.SetColor(pin, Quantity_Color(1.0, 0.0, 0.0, Quantity_TypeOfColor.Quantity_TOC_RGB),
-                     XCAFDoc_ColorType.XCAFDoc_ColorSurf)  # fmt: skip
-    turn = gp_Trsf()
-    turn.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), np.pi / 2)
-    shift = gp_Trsf()
-    shift.SetTranslation(gp_Vec(5, 2, 4))
-    first = gp_Trsf()
-    first.SetTranslation(gp_Vec(1, 1, 4))
-    named(tool.AddComponent(root, plate, TopLoc_Location()), "plate")
-    named(tool.AddComponent(root, pin, TopLoc_Location(first)), "pin")
-    named(tool.AddComponent(root, pin, TopLoc_Location(shift.Multiplied(turn))), "pin")
-    tool.UpdateAssemblies()
-    writer = STEPCAFControl_Writer()
-    writer.SetNameMode(True)
-    writer.SetColorMode(True)
-    writer.Transfer(document)
-    writer.Write(str(path))
-    return path
-
-
 @pytest.fixture(scope="module")
 def jig(tmp_path_factory):
-    return assembly(tmp_path_factory.mktemp("step") / "jig.stp")
+    return shapes.assembly(tmp_path_factory.mktemp("step") / "jig.stp")
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,6 @@ pytest.importorskip("OCP")
 
 import firstcontact as fc  # noqa: E402
 import step_shapes as shapes  # noqa: E402
-from step.test_files import assembly  # noqa: E402
 
 CORNERS = np.array([(x, y, z, 1) for x in (0, 1) for y in (0, 2) for z in (0, 3)], float)
 PIN = "ADVANCED_BREP_SHAPE_REPRESENTATION"
@@ -55,7 +54,7 @@ def stands(found, pose):
 @pytest.mark.parametrize("number", [0, 1])
 def test_an_item_defined_transformation(tmp_path, number, swapped):
     """Of the second pin, or the first one; swapped: the frames are named the other way round than the parts."""
-    text = assembly(tmp_path / "jig.stp").read_text()
+    text = shapes.assembly(tmp_path / "jig.stp").read_text()
     given = re.findall(r"#(\d+) = ITEM_DEFINED_TRANSFORMATION\('','',(#\d+),(#\d+)\);", text)
     pins = [x for x in given if re.search(rf"REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION\(#{x[0]}\)", text)][1:]
     own, first, second = pins[number]
@@ -119,7 +118,7 @@ def test_items_of_one_map(tmp_path):
 @pytest.mark.parametrize("form", ["simple", "complex"])
 def test_operators_with_a_scale_or_a_mirror(tmp_path, form, scale, third, fault):
     """OpenCASCADE leaves them out, or makes them otherwise; a rotation and a shift it takes."""
-    text = assembly(tmp_path / "jig.stp").read_text()
+    text = shapes.assembly(tmp_path / "jig.stp").read_text()
     own = re.findall(r"REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION\(#(\d+)\)", text)[1]
     axes = "#92001,#92002,#92004"
     one = f"#{own} = CARTESIAN_TRANSFORMATION_OPERATOR_3D('','',$,{axes},{scale},#92003);"

@@ -19,6 +19,7 @@ from firstcontact.body.compound.compound import Compound
 from firstcontact.body.kept import Kept
 from firstcontact.contact.carried import carried
 from firstcontact.contact.ways import R
+from firstcontact.errors import InputError
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.rigid import to_origin
 from firstcontact.exact.vectors import Vector
@@ -90,19 +91,30 @@ def _near(
 
 
 def _world(query: Query, far: float) -> World | None:
-    """What brings the smaller body to the origin, and to a size of about 1; None where it is within so many of its
-    sizes, or there already, and of an ordinary size."""
-    shapes = shape_of(query.a), shape_of(query.b)
-    size, middle, reach = min(_place(shape, query) for shape in shapes)
+    """What brings the smaller body to the origin, and two large or small ones to ordinary sizes; None where it is
+    within so many of its sizes, or there already, and of such a size."""
+    places = [_place(shape_of(body), query) for body in query.bodies]
+    size, middle, reach = min(places)
     by = to_origin(middle, size) if reach > far * size else NOWHERE
-    _, bits = math.frexp(size)
-    factor = fmpq(2) ** -bits if ORDINARY < abs(bits) and all(map(_may_be_scaled, shapes)) else fmpq(1)
-    return (by, factor) if any(by) or factor != 1 else None
+    bits = [math.frexp(own)[1] for own, *_ in places if own < math.inf]
+    least, most = min(bits, default=0), max(bits, default=0)
+    beyond = least if least > ORDINARY else most if most < -ORDINARY else 0
+    factor = fmpq(2) ** -beyond
+    if not beyond or not all(_may_be_scaled(body, factor) for body in query.bodies):
+        return (by, fmpq(1)) if any(by) else None
+    return by, factor
 
 
-def _may_be_scaled(shape: Shape) -> bool:
-    """Of compounds answers tell lengths: how far these are from what a file has."""
-    return not getattr(shape, "deforming", False) and not isinstance(shape, Compound)
+def _may_be_scaled(body: Any, factor: fmpq) -> bool:
+    """Whether the motion is still one that is taken then.  Of compounds answers tell lengths: how far these are from
+    what a file has."""
+    shape = shape_of(body)
+    if getattr(shape, "deforming", False) or isinstance(shape, Compound):
+        return False
+    try:
+        return not isinstance(body, Moving) or body.motion.magnified(factor) is not None
+    except InputError:
+        return False
 
 
 def _place(shape: Shape, query: Query) -> _Place:
