@@ -106,15 +106,17 @@ def _world(query: Query, far: float) -> World | None:
 
 
 def _may_be_scaled(body: Any, factor: fmpq) -> bool:
-    """Whether the motion is still one that is taken then.  Of compounds answers tell lengths: how far these are from
-    what a file has."""
+    """Whether the numbers of its motion are still below the largest then.  Not compounds, of which answers tell
+    lengths: how far these are from what a file has."""
     shape = shape_of(body)
     if getattr(shape, "deforming", False) or isinstance(shape, Compound):
         return False
     try:
-        return not isinstance(body, Moving) or body.motion.magnified(factor) is not None
+        if isinstance(body, Moving):
+            body.motion.magnified(factor)
     except InputError:
         return False
+    return True
 
 
 def _place(shape: Shape, query: Query) -> _Place:
