@@ -410,30 +410,36 @@ def test_finished_parts_are_not_asked_again(batch, queries, tmp_path, monkeypatc
     assert sum(asked) == 16 and asked[0] == 2
 
 
+@pytest.fixture
+def harmed(batch, queries, tmp_path, monkeypatch, small_parts):
+    """A job that was killed, and has a harmed part: its questions, and what it would have told as a whole."""
+
+    def made(harm):
+        path = queries(shifts(20))
+        _, whole = batch(path, out="whole.jsonl")
+        with monkeypatch.context() as patch, pytest.raises(Killed):
+            kill_at(patch, 8)
+            batch(path)
+        part = tmp_path / "answers.jsonl.parts" / "rows-000000000002-000000000006.parquet"
+        data = bytearray(part.read_bytes())
+        if harm == "truncated":
+            data = data[:-9]
+        else:
+            data[60] ^= 0xFF
+        part.write_bytes(data)
+        return path, whole
+
+    return made
+
+
 @pytest.mark.parametrize("harm", ["truncated", "swapped byte"])
-def test_a_torn_part_is_done_again(batch, queries, tmp_path, monkeypatch, small_parts, harm):
-    path = queries(shifts(20))
-    _, whole = batch(path, out="whole.jsonl")
-    with monkeypatch.context() as patch, pytest.raises(Killed):
-        kill_at(patch, 8)
-        batch(path)
-    part = tmp_path / "answers.jsonl.parts" / "rows-000000000002-000000000006.parquet"
-    data = bytearray(part.read_bytes())
-    data[60] ^= 0xFF
-    part.write_bytes(data[:-9] if harm == "truncated" else data)
+def test_a_torn_part_is_done_again(batch, harmed, harm):
+    path, whole = harmed(harm)
     assert batch(path)[1] == whole
 
 
-def test_a_part_that_is_torn_meanwhile_is_named(batch, queries, tmp_path, monkeypatch, small_parts):
-    path = queries(shifts(20))
-    _, whole = batch(path, out="whole.jsonl")
-    with monkeypatch.context() as patch, pytest.raises(Killed):
-        kill_at(patch, 8)
-        batch(path)
-    part = tmp_path / "answers.jsonl.parts" / "rows-000000000002-000000000006.parquet"
-    data = bytearray(part.read_bytes())
-    data[60] ^= 0xFF
-    part.write_bytes(data)
+def test_a_part_that_is_torn_meanwhile_is_named(batch, harmed, monkeypatch):
+    path, whole = harmed("swapped byte")
     with monkeypatch.context() as patch:
         patch.setattr("firstcontact.batch.kept_parts.KeptParts._is_whole", lambda *_: True)
         outcome, _ = batch(path)

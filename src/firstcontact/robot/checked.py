@@ -70,22 +70,21 @@ def _check_origin(element: Element, who: str) -> None:
 
 
 def _check_shape(geometry: Element, who: str) -> None:
-    shapes = list(geometry)
-    if len(shapes) > 1:
-        raise InputError(f"{who} has {len(shapes)} shapes in one geometry; give each a collision of its own")
-    if not shapes:
+    if len(geometry) > 1:
+        raise InputError(f"{who} has {len(geometry)} shapes in one geometry; give each a collision of its own")
+    if not len(geometry):
         raise InputError(f"{who} has no shape; give one of {', '.join(SHAPES)}")
-    for shape in shapes:
-        if shape.tag not in SHAPES:
-            raise InputError(f"{who} is a {shape.tag}; give one of {', '.join(SHAPES)}")
-        for key, count in SHAPES[shape.tag].items():
-            if not all(x > 0.0 for x in _numbers(shape, key, count, who)):
-                raise InputError(f"{who}: the {key} of its {shape.tag} is {shape.get(key)!r}; give lengths above 0")
-        if shape.tag == "mesh":
-            if not shape.get("filename"):
-                raise InputError(f"{who}: its mesh has no filename")
-            if shape.get("scale") is not None and not all(_numbers(shape, "scale", 3, who)):
-                raise InputError(f"{who}: the scale of its mesh is {shape.get('scale')!r}; give numbers other than 0")
+    (shape,) = geometry
+    if shape.tag not in SHAPES:
+        raise InputError(f"{who} is a {shape.tag}; give one of {', '.join(SHAPES)}")
+    for key, count in SHAPES[shape.tag].items():
+        if not all(x > 0.0 for x in _numbers(shape, key, count, who)):
+            raise InputError(f"{who}: the {key} of its {shape.tag} is {shape.get(key)!r}; give lengths above 0")
+    if shape.tag == "mesh":
+        if not shape.get("filename"):
+            raise InputError(f"{who}: its mesh has no filename")
+        if shape.get("scale") is not None and not all(_numbers(shape, "scale", 3, who)):
+            raise InputError(f"{who}: the scale of its mesh is {shape.get('scale')!r}; give numbers other than 0")
 
 
 def _numbers(element: Element, key: str, count: int, who: str) -> list[float]:

@@ -173,10 +173,8 @@ def _body(
             ball = primitives.sphere(geometry.cylinder.radius)
             ends = [ball.translated((0, 0, x)) for x in (-geometry.cylinder.length / 2, geometry.cylinder.length / 2)]
             solid = solid | ends[0] | ends[1]
-    elif geometry.sphere is not None:
+    else:  # `check` has let no other shape pass
         solid = primitives.sphere(geometry.sphere.radius)
-    else:
-        raise InputError(f"{path}: link {link!r}: collision {k} has no geometry; give it one")
     pose: Pose = read_poses([place], [f"{path}: the place of link {link!r}"])[0]
     return solid.transformed([*pose.matrix(), (0, 0, 0, 1)]).named(name)
 

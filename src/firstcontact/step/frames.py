@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from firstcontact.errors import InputError
+from firstcontact.step.text import bared
 
-_HIDDEN = re.compile(rb"'(?:[^']|'')*'|/\*.*?\*/", re.S)
 _ENTITY = re.compile(
     rb"#(\d+)\s*=\s*(AXIS2_PLACEMENT_3D|CARTESIAN_POINT|DIRECTION|ITEM_DEFINED_TRANSFORMATION|MAPPED_ITEM|"
     rb"REPRESENTATION_MAP|[A-Z_]*SHAPE_REPRESENTATION|REPRESENTATION)\s*\(([^;]*)\)\s*;"
@@ -37,7 +37,7 @@ def mended(path: Path) -> tuple[bytes, list[int]] | None:
     text = path.read_bytes()
     if not any(kind in text for kind in (b"ITEM_DEFINED_", b"REPRESENTATION_MAP", b"TRANSFORMATION_OPERATOR_3D")):
         return None
-    frames = _Frames(_HIDDEN.sub(lambda found: b" " * len(found[0]), text))
+    frames = _Frames(bared(text))
     for found in _OPERATOR.finditer(frames.bare):
         frames.refuse_scale_and_mirror(path, found)
     changes = frames.changes()

@@ -10,11 +10,10 @@ from firstcontact.errors import InputError
 
 _DEFINED = re.compile(rb"(?:^|[;\s])#(\d+)\s*=\s*(\(|[A-Z_0-9]+)")
 _USED = re.compile(rb"#(\d+)")
-_STRINGS = re.compile(rb"'(?:[^']|'')*'")
+_HIDDEN = re.compile(rb"'(?:[^']|'')*'|/\*.*?\*/", re.S)
 _BEYOND = rb"\d*\.?\d*[ED]\+?0*(?:[1-9]\d{3,}|[4-9]\d\d|3[1-9]\d|30[89])"  # of the range of doubles
 _NO_NUMBER = re.compile(rb"[(,]\s*([-+]?(?:NAN|INF(?:INITY)?|1\.#\w+|" + _BEYOND + rb"))\s*(?=[,)])", re.I)
 _NO_FACES = re.compile(rb"#(\d+)\s*=\s*(CLOSED_SHELL|OPEN_SHELL)\s*\([^;()]*\(\s*\)\s*\)")
-_COMMENTS = re.compile(rb"/\*.*?\*/", re.S)
 
 
 def checked(path: Path) -> dict[int, str]:
@@ -26,7 +25,7 @@ def checked(path: Path) -> dict[int, str]:
         raise InputError(f"{path}: {reason}; give the path of a STEP file (.stp, .step)") from error
     if b"ISO-10303-21" not in text[:2000]:
         raise InputError(f"{path}: no STEP file (it does not begin with ISO-10303-21;); export the model as STEP")
-    bare = _STRINGS.sub(b"''", _COMMENTS.sub(b" ", text))
+    bare = bared(text)
     data = bare.find(b"DATA;")
     kinds = {int(number): kind.decode() for number, kind in _DEFINED.findall(bare, max(data, 0))}
     if b"END-ISO-10303-21" not in bare:
@@ -38,6 +37,11 @@ def checked(path: Path) -> dict[int, str]:
             raise InputError(f"{path}: {_user(bare, data, number)}refers to #{int(number)}, which is not in the file; "
                              "export it again")  # fmt: skip
     return kinds
+
+
+def bared(text: bytes) -> bytes:
+    """The text with blanks for all that strings and comments hold: all else stands where it stood."""
+    return _HIDDEN.sub(lambda found: b" " * len(found[0]), text)
 
 
 def _check_values(path: Path, data: bytes) -> None:
