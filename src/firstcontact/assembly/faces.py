@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firstcontact.assembly.kept import generators, parting, standing
+from firstcontact.assembly.lifts import lifted_until
 from firstcontact.assembly.new_contact import Lasts, NewContactQuery, after_start, earliest, renamed
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import Plane, Rows, doubles, upright
@@ -33,6 +34,8 @@ from firstcontact.search.trees.containment import contains
 from firstcontact.search.trees.frame import tree_of
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from flint import fmpq
 
     from firstcontact.body.kinds import Body
@@ -71,6 +74,7 @@ class Mesh:
         self.body, self.shape, self.face = body, shape_of(body), face
         self.stands = self.shape if stands is None else stands
         self.is_in_place = self.stands is self.shape
+        self.is_known = stands is not None
         self.triangles: np.ndarray = self.shape.triangles
         self._exact: dict[int, Vector] = {}
         self._planes: dict[int, Plane | None] = {}
@@ -312,6 +316,9 @@ def _apart_at_start(
 
 def _after_start(x: MeshPart, y: MeshPart, asking: NewContactQuery) -> list[FirstContact]:
     """New contacts of two triangles that may touch at the start.  Raises Lasts."""
+    off = _lifted_until(x, y, asking)
+    if off is not None:
+        return [renamed(asking.first_contact(x.body, y.body, off), x.element, y.element)]
     try:
         return [renamed(after_start(x.body, y.body, asking), x.element, y.element)]
     except Lasts:
@@ -321,6 +328,22 @@ def _after_start(x: MeshPart, y: MeshPart, asking: NewContactQuery) -> list[Firs
     pieces = product(_cut_along(x, axis), _cut_along(y, axis))
     pairs = [pair for piece in pieces for pair in _beside_axis(*piece, axis)]
     return [renamed(after_start(p.body, q.body, asking), p.element, q.element) for p, q in pairs]
+
+
+def _lifted_until(x: MeshPart, y: MeshPart, asking: NewContactQuery) -> Fraction | None:
+    """A time until which two triangles are off each other, as one turns off the plane of one of them."""
+    if not (x.mesh.is_known and y.mesh.is_known):
+        return None
+    pairs = [(part.mesh, int(part.triangles[0])) for part in (x, y)]
+    points = [[mesh.point(v) for v in mesh.corners(k)] for mesh, k in pairs]
+    own = [plane for mesh, k in pairs if (plane := mesh.plane(k)) is not None]
+    planes = [plane for one in own for plane in (one, one.negated()) if _parts(plane, *points)]
+    off = lifted_until((x.body, y.body), points, planes, asking.first, asking.last)
+    return None if off is None else fraction(off)
+
+
+def _parts(plane: Plane, below: list[Vector], above: list[Vector]) -> bool:
+    return all(plane.value((*p, 1)) <= 0 for p in below) and all(plane.value((*p, 1)) >= 0 for p in above)
 
 
 def _axis(a: Body, b: Body) -> Rotation | None:

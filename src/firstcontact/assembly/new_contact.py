@@ -272,10 +272,10 @@ def after_start(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
 
 
 def _ends_at_once(contact: ContactInterval, a: Body, b: Body, asking: NewContactQuery) -> bool:
-    """Whether contact is of the start alone: where that is no double, exact ends tell."""
+    """Whether contact is of the start alone: where doubles leave that open, exact ends tell."""
     if contact.end_interval == (asking.start, asking.start):
         return True
-    if contact.end_interval[1] > above(asking.first):
+    if contact.end_interval[0] > above(asking.first):
         return False
     told = tried(lambda: asking.intervals(a, b, exact=True))
     return isinstance(told, ContactIntervals) and len(told) > 0 and told[0].end_exact == fraction(asking.first)

@@ -10,13 +10,14 @@ it, and all others.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from firstcontact.assembly.faces import Mesh, MeshPart
 from firstcontact.assembly.kept import generators, parting, standing
+from firstcontact.assembly.lifts import Hull, Reach, lift_of, lifted_until, planes_between_balls
 from firstcontact.assembly.new_contact import (
     LASTING,
     Lasts,
@@ -32,6 +33,7 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, conjunction, renumbered, surfaces_of
 from firstcontact.contact.mesh_model import as_polyhedra
 from firstcontact.contact.models.answer import element as named
+from firstcontact.exact.numbers import fraction
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.result import Element, FirstContact, Status
 
@@ -61,6 +63,12 @@ class StartPart:
     triangles: MeshPart | None = None
     """Of a mesh, those that the part is; None: all."""
 
+    def reach(self) -> Reach:
+        """Where it lies at the start."""
+        if isinstance(self.stands, Polyhedron):
+            return [self.stands.exact_vertex(k) for k in range(len(self.stands.vertices))]
+        return Hull(self.stands.bounds(), self.sides)
+
     def element(self, element: Element) -> Element:
         """What users call an element of the part: the solid's own on the same surfaces, or a face on one of them."""
         if self.whole is None:
@@ -83,9 +91,13 @@ def by_parts(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
     stands = standing(a, asking.first), standing(b, asking.first)
     if by is None or stands[0] is None or stands[1] is None:
         return None
-    shapes = stands[0], stands[1]
+    shapes, lift = (stands[0], stands[1]), lift_of(a, b, asking.first)
+
+    def tells(plane: Plane) -> bool:
+        return parting(plane, by) is not None or (lift is not None and lift.is_along(plane))
+
     own, other = (
-        _parts(x, shape) if isinstance(shape, CompositeQuadric) else _of_mesh(x, shape, beside, by, asking)
+        _parts(x, shape) if isinstance(shape, CompositeQuadric) else _of_mesh(x, shape, beside, tells, asking)
         for x, shape, beside in zip((a, b), shapes, reversed(shapes), strict=True)
     )
     if own is None or other is None or not any(x.sides for x in (*own, *other)):
@@ -99,14 +111,19 @@ def by_parts(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
     for x, y, touch, between in pairs:
         if between or touch and any(_separates(side, x, y) for side in seams):
             continue
-        told = _after_start(x.body, y.body, asking) if touch else asking.first_contact(x.body, y.body)
+        told = _after_start(x, y, asking) if touch else asking.first_contact(x.body, y.body)
         if told.status is Status.FREE or not any(_separates(side, x, y) for side in seams):
             found.append(renamed(told, x.element, y.element))
     return earliest(found, asking)
 
 
-def _after_start(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
+def _after_start(x: StartPart, y: StartPart, asking: NewContactQuery) -> FirstContact:
     """New contacts of two parts that touch, as on a hinge.  Raises Lasts."""
+    a, b = x.body, y.body
+    planes = (side for side in _parting_sides(x, y) if isinstance(side, Plane))
+    off = lifted_until((a, b), (x.reach(), y.reach()), planes, asking.first, asking.last)
+    if off is not None:
+        return asking.first_contact(a, b, fraction(off))
     try:
         return after_start(a, b, asking)
     except Lasts:
@@ -120,8 +137,14 @@ def _after_start(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
 
 def _seams(x: StartPart, y: StartPart, by: Sequence[Rows]) -> Iterator[Surface]:
     """Surfaces of theirs that the motion keeps, or off which they part, with x on the negative side, y on the other."""
-    for side in dict.fromkeys([*x.sides, *(side.negated() for side in y.sides)]):
-        if parting(side, by) in (0, -1) and _separates(side, x, y):
+    return (side for side in _parting_sides(x, y) if parting(side, by) in (0, -1))
+
+
+def _parting_sides(x: StartPart, y: StartPart) -> Iterator[Surface]:
+    """Surfaces of theirs, and between balls, with x on the negative side at the start, and y on the other."""
+    own = [*x.sides, *(side.negated() for side in y.sides), *planes_between_balls(x.sides, y.sides)]
+    for side in dict.fromkeys(own):
+        if _separates(side, x, y):
             yield side
 
 
@@ -145,9 +168,9 @@ def _is_beyond(shape: Polyhedron | CompositeQuadric, side: Surface) -> bool:
 
 
 def _of_mesh(
-    body: Body, stands: Shape, beside: Shape, by: Sequence[Rows], asking: NewContactQuery
+    body: Body, stands: Shape, beside: Shape, tells: Callable[[Plane], bool], asking: NewContactQuery
 ) -> list[StartPart] | None:  # fmt: skip
-    """The triangles by the planes that the motion keeps, or off which they part; None of other bodies."""
+    """The triangles by the planes that tell how bodies on both sides move; None of other bodies."""
     if not isinstance(stands, Polyhedron):
         return None
     whole = [StartPart(body, stands, frozenset())]
@@ -155,7 +178,7 @@ def _of_mesh(
         return whole
     mesh = Mesh(body, stands)
     corners = list(product(*zip(*beside.bounds(), strict=True)))
-    planes = [x for x in mesh.all_planes() if parting(x, by) is not None and _meets(x, corners)]
+    planes = [x for x in mesh.all_planes() if tells(x) and _meets(x, corners)]
     if len(planes) > MOST_PLANES:
         return whole
     parts, left = [], set(range(len(mesh.triangles)))
