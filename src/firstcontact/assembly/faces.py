@@ -60,10 +60,12 @@ def by_faces(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
     alone = {pair for pair in met if not any(pair[0] in x and pair[1] in y for x, y in stars)}
     if len(alone) > MOST_PAIRS:
         return None
-    found = list(_apart_at_start(sides, stars, alone, asking))
+    found: list[FirstContact] = []
     for x, y in sorted(alone):
         found += _after_start(sides[0].part([x]), sides[1].part([y]), asking)
-    return earliest(found, asking)
+        if any(map(asking.is_open, found)):
+            return earliest(found, asking)  # whatever the others are
+    return earliest([*found, *_apart_at_start(sides, stars, alone, asking)], asking)
 
 
 class Mesh:

@@ -97,6 +97,10 @@ class NewContactQuery:
         self.done.append(answer.stats)
         return answer
 
+    def is_open(self, found: FirstContact) -> bool:
+        """Whether it tells nothing of any time after the start."""
+        return found.status is Status.UNDECIDED and (found.free_until or 0.0) <= self.start
+
     def undecided(self, reason: str | None, until: float | None = None) -> FirstContact:
         return FirstContact(Status.UNDECIDED, free_until=self.start if until is None else until, reason=reason)
 
@@ -245,9 +249,10 @@ def _at_once(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
         try:
             found = tried(partial(way, a, b, asking))
         except Lasts:
-            return _lasting(a, b, asking)
+            found = asking.undecided(LASTING)
         if isinstance(found, FirstContact):  # a refusal is of a question asked on the way: the pair itself is one
-            return found
+            pressed = _pressed_in(a, b, asking) if asking.is_open(found) and found.reason != "budget" else None
+            return found if pressed is None else pressed
     return asking.undecided(LASTING)
 
 
@@ -281,15 +286,15 @@ def _ends_at_once(contact: ContactInterval, a: Body, b: Body, asking: NewContact
     return isinstance(told, ContactIntervals) and len(told) > 0 and told[0].end_exact == fraction(asking.first)
 
 
-def _lasting(a: Body, b: Body, asking: NewContactQuery) -> FirstContact:
-    """A new contact at once, where the bodies overlap soon after the start; else it is open."""
+def _pressed_in(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
+    """A new contact at once, where the bodies overlap soon after the start; else None."""
     length = exact_value(1.0) if asking.last is None else asking.last - asking.first
     soon = to_double(asking.first + length * exact_value(min(asking.arguments["tolerance"], 1e-12)))
     if not asking.start < soon or not asking.is_apart:  # the span is one instant, or nearly
-        return asking.undecided(LASTING)
+        return None
     then = asking.at(a, b, soon)
     if then.initial not in ("overlapping", "containment"):
-        return asking.undecided(LASTING)
+        return None
     told = then if then.element_a is not None else asking.at_start(a, b)
     return FirstContact(
         Status.CONTACT, time=asking.start, time_interval=(asking.start, soon), free_until=asking.start,

@@ -114,6 +114,8 @@ def by_parts(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
         told = _after_start(x, y, asking) if touch else asking.first_contact(x.body, y.body)
         if told.status is Status.FREE or not any(_separates(side, x, y) for side in seams):
             found.append(renamed(told, x.element, y.element))
+        if asking.is_open(told):  # whatever the others are
+            break
     return earliest(found, asking)
 
 
