@@ -40,6 +40,23 @@ def test_kinds_and_numbers(name):
     assert [hit.multiplicity for hit in hits] == [count] * 3
 
 
+@pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize("width", [F(1, 100), F(1, 10**6), F(1, 10**9), F(1, 10**12)])
+def test_patches_may_be_thin(width, exact):
+    """Pegs on the rims of holes that are too narrow for them by so much, one all round, one on a side alone."""
+    hole, square = BLOCK - fc.cylinder(1 - width, 9), BLOCK - fc.box((2 - 2 * width, 2 - 2 * width, 9))
+    aside = fc.box((2, 2, 2)).translated((width, 0, 5))
+    for peg, block in ((DISC, hole), (fc.box((2, 2, 2)), square), (aside, BLOCK - fc.box((2, 2, 9)))):
+        above = peg if peg is aside else peg.translated((0, 0, 5))
+        assert fc.first_contact(above.moving(DOWN), block, exact=exact).contact_set == "patch"
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_a_peg_as_wide_as_its_hole_meets_its_rim(exact):
+    hit = fc.first_contact(DISC.translated((0, 0, 5)).moving(DOWN), BLOCK - fc.cylinder(1, 9), exact=exact)
+    assert hit.contact_set == "conic arc"
+
+
 def test_points_of_a_round_patch_go_around_it():
     hit = fc.first_contact(DISC.translated(HIGH).moving(DOWN), PLATE)
     points = hit.contact_set.points

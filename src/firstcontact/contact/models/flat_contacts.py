@@ -609,7 +609,7 @@ def _at_surface(
 
 
 def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> FlatShared | None:
-    """What two faces share that lie in one plane: a patch by its border, or arcs alone."""
+    """What two faces share that lie in one plane: a patch by its border."""
     assert isinstance(x, Face) and isinstance(y, Face) and isinstance(x.carrier, Plane)
     (a, b), on = bodies, (frozenset(x.surfaces), frozenset(y.surfaces))
     own, others = _outline(a, x), _outline(b, y)
@@ -639,7 +639,7 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> FlatShared
         beside_arcs = [tuple(p) for _, _, run in arcs for p in beside(run).tolist()]
         if any(_is_in(a, own, p, on[0]) and _is_in(b, others, p, on[1]) for p in beside_arcs):
             return FlatShared("patch", border([run for _, _, run in arcs], corners), pairs)
-        return FlatShared("conic arc", arcs[0][2], pairs)
+        return None  # an arc alone, or a patch that is thinner than doubles tell
     points = [p for _, _, p in pairs]
     return FlatShared("patch", border([], points), pairs) if _spread(points) else None
 

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 NEAR = 1e-9
 """Of the size of the coordinates: points nearer to each other than that are one."""
+NEAREST = 1e-14
+"""The same of corners, exact points rounded: a patch may be as thin as that."""
 MOST_CORNERS = 12
 """Corners of a patch that are looked at."""
 
@@ -66,13 +68,13 @@ def largest_set(pair: MovingPair, root: Root, meetings: Sequence[Meeting]) -> Se
     return "point", meetings[0].shared.points
 
 
-def _distinct(meetings: Sequence[Meeting], unit: float) -> list[Meeting]:
+def _distinct(meetings: Sequence[Meeting], unit: float, near: float = NEAR) -> list[Meeting]:
     """One meeting for each point."""
     found: list[Meeting] = []
     for meeting in meetings:
         where = meeting.shared.points[0]
         size = unit + np.abs(where).max()
-        if all(np.abs(where - other.shared.points[0]).max() > NEAR * size for other in found):
+        if all(np.abs(where - other.shared.points[0]).max() > near * size for other in found):
             found.append(meeting)
     return found
 
@@ -105,7 +107,7 @@ class _Touching:
         return None
 
     def _corners(self, plane: Vector) -> list[np.ndarray]:
-        distinct = _distinct([m for m in self.meetings if m.shared.kind != "conic arc"], self.pair.unit)
+        distinct = _distinct([m for m in self.meetings if m.shared.kind != "conic arc"], self.pair.unit, NEAREST)
         return [m.shared.points[0] for m in distinct if is_zero(dot(plane, m.shared.at))]
 
     def _is_in(self, plane: Vector, points: np.ndarray) -> bool:
@@ -195,7 +197,7 @@ def _between(corners: list[np.ndarray]) -> Iterator[np.ndarray]:
     for x, y, z in combinations(corners[:MOST_CORNERS], 3):
         area = np.linalg.norm(np.cross(y - x, z - x))
         far = max(np.linalg.norm(y - x), np.linalg.norm(z - x))
-        if area > NEAR * far * far:
+        if area > NEAREST * far * far:
             yield (x + y + z) / 3
 
 

@@ -13,13 +13,15 @@ if TYPE_CHECKING:
 # How far beside an arc to look, as a share of the height of the arc's middle above its chord: of a whole circle of its
 # diameter.
 _BESIDE = 0.05
+# Between two arcs there may be little room.
+_NEARER = 1.0, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12
 
 
 def beside(arc: np.ndarray) -> np.ndarray:
-    """(2, 3) a point to either side of an arc given by points (n, 3), near its middle."""
+    """(n, 3) points to either side of an arc given by points (n, 3), nearer and nearer to its middle."""
     n = len(arc)
     middle, chord = arc[n // 2], (arc[n // 4] + arc[(3 * n) // 4 % n]) / 2
-    return np.array([middle + s * _BESIDE * (chord - middle) for s in (1, -1)])
+    return np.array([middle + s * share * _BESIDE * (chord - middle) for share in _NEARER for s in (1, -1)])
 
 
 def along_surface(form: np.ndarray, arc: np.ndarray) -> np.ndarray:
