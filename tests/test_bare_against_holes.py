@@ -138,3 +138,19 @@ def test_grazes_and_misses_by_next_to_nothing(kind):
         assert (side.status is fc.Status.FREE) == (top.status is fc.Status.FREE) == (gap > 0)
         if gap <= 0:
             assert abs(side.time - 0.5) < 1e-9 and abs(top.time - (3 - np.sqrt(1.75)) / 6) < 1e-9
+
+
+@pytest.mark.parametrize("tilt", [F(0), F(1, 2**53), F(-1, 2**40)])
+def test_a_rod_with_a_bore_that_is_across_but_for_rounding(tilt):
+    """As files have bores: the square of the tilt is all that the form says along the axis."""
+    k = tilt
+    bore = fc.quadric([[1 + k * k, 0, 0, 0], [0, k * k, -k, 0], [0, -k, 1, 0], [0, 0, 0, -1 - k * k]])
+    rod = fc.cylinder(F(3, 2), 6) - (bore & fc.half_space((0, 1, 0), 4) & fc.half_space((0, -1, 0), 4))
+    for probe in (
+        fc.Polyhedron([(5, 0, 0)], []), fc.Polyhedron([(5, 0, 0), (5, 1, 0), (5, 0, 1)], [[0, 1, 2]]),
+        fc.box((2, 2, 2)).translated((6, 0, 0)), fc.sphere(1).translated((6, 0, 0)),
+    ):  # fmt: skip
+        hit = fc.first_contact(probe.moving(fc.Translation((-4, 0, 0))), rod)
+        assert hit.status is fc.Status.CONTACT and abs(hit.time - 7 / 8) < 1e-9
+    along = fc.Polyhedron([(0, 5, 0)], [])
+    assert fc.first_contact(along.moving(fc.Translation((0, -10, 0))), rod).status is fc.Status.FREE

@@ -232,16 +232,23 @@ def null_space(rows: Rows) -> list[Vector]:
     return basis
 
 
+NEARLY_NONE = fmpq(1, 10**6)
+"""Of the largest value of a form at vectors of one length."""
+
+
 def diagonalised(form: Rows) -> list[tuple[fmpq, Vector]]:
     """(value, column) pairs, independent and mutually conjugate columns with values column^T form column.
 
-    Lagrange's reduction: exact, and the signs of the values are the inertia of the form.
+    Lagrange's reduction: exact, and the signs of the values are the inertia of the form.  Values that are nearly 0, as
+    along the axis of a cylinder that is turned by rounding, are divided by last: the columns stay short.
     """
     n = len(form)
     rest = [tuple(ONE if i == j else ZERO for i in range(n)) for j in range(n)]
     found: list[tuple[fmpq, Vector]] = []
     while rest:
-        pivot = next((v for v in rest if bilinear(form, v, v)), None)
+        sizes = [abs(bilinear(form, v, v)) / max(x * x for x in v) for v in rest]
+        least = NEARLY_NONE * max(sizes)
+        pivot = next((v for v, size in zip(rest, sizes, strict=True) if size > least), None)
         if pivot is None:
             pair = next(((v, w) for v in rest for w in rest if bilinear(form, v, w)), None)
             if pair is None:

@@ -97,7 +97,7 @@ class HoledSearch(MeshSearch):
         try:
             charts_of(model)
         except NotCharted as reason:
-            told = f"{who} meets small convex polyhedra only: {reason}"
+            told = f"{who} meets small convex polyhedra that are solid only: {reason}"
             raise UnsupportedPair(f"{told}; give it as triangles, a STEP part by surfaces=False") from reason
         super().__init__(mesh, covering_pieces(model), mesh_is_a, budget, progress)
         self.mesh, self.model = mesh, model
