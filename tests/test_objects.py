@@ -57,9 +57,14 @@ def bodies() -> dict[str, object]:
         "sphere": fc.sphere(radius=Fraction(2, 7), name="ball"),
         "ellipsoid": fc.ellipsoid(np.array([1.0, 2.0, 3.5])),
         "cylinder": fc.cylinder(radii=(1, 2), height=3),
+        "elliptic by radius": fc.cylinder((2, 1), "1/3").translated((1, 0, 0)),
+        "round by radii": fc.cylinder(radii=2, height=5),
+        "bored by an ellipse": fc.box((9, 9, 2)) - fc.cylinder((1, 2), 3),
         "cone": fc.cone(1, 2).translated((0.1, "1/3", 0)),
         "frustum": fc.frustum(1, "1/2", 2).rotated((1, 1, 0), degrees=20),
         "paraboloid": fc.paraboloid((1, 2), 3),
+        "paraboloid of one radius": fc.paraboloid(2, 3),
+        "hyperboloid by default": fc.hyperboloid((1, 2, 3), 2),
         "hyperboloid": fc.hyperboloid((1, 1, 2), 3, sheets=2),
         "half space": fc.half_space((1, 2, 2), "1/9"),
         "quadric": fc.quadric([[1, 0, 0, 0], [0, 0, 0, "-1/2"], [0, 0, 1, 0], [0, "-1/2", 0, 0]]),
@@ -312,6 +317,33 @@ def test_results_are_equal_where_they_say_the_same():
     assert again == results()["certified"] and again.stats.seconds != results()["certified"].stats.seconds
     assert again != results()["contact"] and again != results()["free"] and again != "hit"
     assert again != fc.first_contact(CUBE.moving(SLIDE), target.named("other"))
+
+
+def test_tables_of_answers_pickle_as_columns():
+    many = fc.Translations([(4, 0, 0), (0, 4, 0), (8, 0, 0)])
+    question = CUBE.moving(many), CUBE.translated((3, 0, 0))
+    for table in (fc.first_contacts(question), fc.many_contact_intervals(question)):
+        again = pickle.loads(pickle.dumps(table))
+        assert type(again) is type(table) and again.to_numpy().tobytes() == table.to_numpy().tobytes()
+        assert again.counts == table.counts and table[0].status is fc.Status.CONTACT
+        with pytest.raises(fc.InputError, match="ask question 1 again"):
+            again[1]
+    assert np.array_equal(again.intervals, table.intervals)
+
+
+MANY = {
+    "translations": lambda x: fc.Translations([(x, 0, 0), (0, 2, 0)]),
+    "rotations": lambda x: fc.Rotations((0, 0, 1), (x, 0, 0), degrees=[30, 60]),
+    "poses": lambda x: fc.Poses([[np.eye(4), np.diag([1.0, x, x, 1.0])]]),
+}
+
+
+@pytest.mark.parametrize("kind", MANY)
+def test_many_motions_are_equal_where_all_are(kind):
+    made, same, other = MANY[kind](1.0), MANY[kind](1.0), MANY[kind](-1.0)
+    assert made == same == pickle.loads(pickle.dumps(made)) != other and hash(made) == hash(same)
+    assert made[:1] != made or len(made) == 1
+    assert made != made[0] and made != "x"
 
 
 def test_pickles_of_results_leave_the_bodies_out():

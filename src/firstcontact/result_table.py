@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Generic, NoReturn, Self, TypeVar
 
 import numpy as np
 
@@ -172,6 +172,15 @@ R = TypeVar("R", bound=Rows)
 A = TypeVar("A")
 
 
+def _from_pickle(kind: type[_Table[R, A]], rows: R) -> _Table[R, A]:
+    """A table without its questions, whose bodies would be most of it."""
+    return kind(rows, _unasked)
+
+
+def _unasked(row: int) -> NoReturn:
+    raise InputError(f"a table from a pickle holds columns alone; ask question {row} again for its full result")
+
+
 class _Table(Generic[R, A]):
     """What tables have in common."""
 
@@ -180,6 +189,9 @@ class _Table(Generic[R, A]):
     def __init__(self, rows: R, ask: Callable[[int], A]) -> None:
         """ask: answers one of the questions again."""
         self._rows, self._ask = rows, ask
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _from_pickle, (type(self), self._rows.settle())
 
     def __len__(self) -> int:
         return len(self._rows)

@@ -39,6 +39,18 @@ class Motions:
         """Those of a slice or of an array of rows."""
         raise NotImplementedError
 
+    def _facts(self) -> tuple[Any, ...]:
+        """What they are made of: arrays with a row for each motion first."""
+        raise NotImplementedError
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Motions) or type(self) is not type(other):
+            return NotImplemented
+        return all(np.array_equal(x, y) for x, y in zip(self._facts(), other._facts(), strict=True))
+
+    def __hash__(self) -> int:
+        return hash((type(self), len(self)))
+
     def of(self, body: Placing) -> MovingEach:
         """The body under each of them."""
         return MovingEach(body, self)
@@ -75,6 +87,9 @@ class Translations(Motions):
 
     def __len__(self) -> int:
         return len(self.vectors)
+
+    def _facts(self) -> tuple[Any, ...]:
+        return (self.vectors,)
 
     def one(self, row: int) -> Translation:
         return Translation(self.vectors[row].tolist())
@@ -126,6 +141,9 @@ class Rotations(Motions):
     def __len__(self) -> int:
         return len(self.angles)
 
+    def _facts(self) -> tuple[Any, ...]:
+        return self.axes, self.points, self.angles, self.unit
+
     def one(self, row: int) -> Rotation:
         angle: dict[str, Any] = {self.unit: float(self.angles[row])}
         return Rotation(self.axes[row].tolist(), self.points[row].tolist(), **angle)
@@ -133,7 +151,6 @@ class Rotations(Motions):
     def taken(self, rows: slice | np.ndarray) -> Rotations:
         angles: dict[str, Any] = {self.unit: self.angles[rows]}
         return Rotations(self.axes[rows], self.points[rows], **angles)
-
 
     def angle(self, row: int) -> tuple[fmpq, fmpq]:
         """(radians, turns) of motion `row`, exact; one of them is 0."""
@@ -158,6 +175,9 @@ class Poses(Motions):
 
     def __len__(self) -> int:
         return len(self.poses)
+
+    def _facts(self) -> tuple[Any, ...]:
+        return self.poses, self.snap
 
     def one(self, row: int) -> RationalMotion:
         options: dict[str, Any] = {} if self.snap is None else {"snap": self.snap}

@@ -65,7 +65,7 @@ class Ellipsoid(Solid):
 
 class Cylinder(Solid):
     shape: Literal["cylinder"]
-    radius: Number = None
+    radius: Radii = None
     radii: Radii = None
     height: Number
 
@@ -93,7 +93,7 @@ class Hyperboloid(Solid):
     shape: Literal["hyperboloid"]
     radii: ThreeRadii
     height: Number
-    sheets: StrictInt = 1
+    sheets: StrictInt | None = None
 
 
 class HalfSpace(Solid):
