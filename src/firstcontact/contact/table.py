@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache, partial
@@ -13,7 +14,7 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeVar, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact import centred, common_shift, jumps, linked, plain
+from firstcontact.contact import centred, common_shift, jumps, linked, one_motion, plain
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.span import refuse_late
@@ -128,12 +129,14 @@ def matrix() -> str:
 
 def first_contact(query: Query) -> FirstContact:
     """The answer of the room for the bodies."""
-    return linked.first(lambda own: plain.asked(lambda x: _answer("first", x), own), query)
+    answer: Callable[[Query], FirstContact] = partial(one_motion.asked, partial(_answer, "first"))
+    return linked.first(lambda own: plain.asked(answer, own), query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
-    return linked.intervals(lambda own: plain.asked(lambda x: _answer("intervals", x), own), query)
+    answer: Callable[[Query], ContactIntervals] = partial(one_motion.asked, partial(_answer, "intervals"))
+    return linked.intervals(lambda own: plain.asked(answer, own), query)
 
 
 def contact_pairs(query: Query) -> ContactPairs:
