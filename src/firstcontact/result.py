@@ -556,7 +556,8 @@ class FirstContact(_Deferring, Shown):
     `stats` ends before that.
 
     status          Status.FREE proves that they share no point at any time of ``span``.
-    time            the double nearest the true time (the motion's parameter); None when free.
+    time            the double nearest the true time (the motion's parameter), or, of curved bodies that doubles
+                    decided, one within its enclosure; None when free.
     time_interval   (lo, hi) doubles that enclose the true time.
     time_exact      the time itself (``exact=True``): Fraction, AlgebraicNumber or ExactAngle.
     point, normal   (3,) float64, world frame at that time; normal is unit, from b towards a, None where

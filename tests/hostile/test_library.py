@@ -801,7 +801,7 @@ def milled(tools, bodies):
 MILL = [("flutes", "cutter", 6, 20)]
 ROWS += [
     ("links in a list", lambda: fc.Mechanism([ball()], []), "links are [<CompositeQuadric"),
-    ("skip of no link", lambda: fc.Mechanism({"a": ball()}, [], skip=[("a", "b")]), "skip: no link 'b'"),
+    ("skip of no link", lambda: fc.Mechanism({"a": ball()}, [], skip=[("a", "b")]), "skip[0]: no link 'b'"),
     ("chain to no link", lambda: gate().chain("roof"), "chain: no link 'roof'; the links are 'post', 'bar'"),
     ("against a number", lambda: swung().first_contacts(against=[5]), "5 is no body"),
     ("against a body", lambda: swung().first_contacts(against=ball()), "against is <CompositeQuadric"),

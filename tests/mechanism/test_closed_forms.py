@@ -158,3 +158,19 @@ def test_values_that_are_none(ask, fault):
     hinge = fc.Joint("hinge", "revolute", "wall", "arm", axis=(0, 0, 1), limits=(0, 90))
     with pytest.raises(fc.InputError, match=fault):
         ask(fc.Mechanism(links, [hinge]))
+
+
+@pytest.mark.parametrize("pair", [("wall", "arm", "wall"), ("wall",), (), "wall", ("arm", "arm")])
+def test_what_names_no_two_links_is_not_skipped_silently(pair):
+    links = {"wall": fc.box((1, 1, 1)), "arm": fc.box((1, 1, 1)).translated((3, 0, 0))}
+    hinge = fc.Joint("hinge", "revolute", "wall", "arm", axis=(0, 0, 1))
+    with pytest.raises(fc.InputError, match=r"skip\[1\] is .*; give the names of two links"):
+        fc.Mechanism(links, [hinge], skip=[("arm", "wall"), pair])
+
+
+def test_joints_that_are_none_are_named():
+    links = {"wall": fc.box((1, 1, 1))}
+    with pytest.raises(fc.InputError, match="joints are None; give a list"):
+        fc.Mechanism(links, None)
+    with pytest.raises(fc.InputError, match=r"joint 'a': mimic is \(\); give \(joint, ratio, offset\)"):
+        fc.Joint("a", "revolute", "wall", "arm", mimic=())

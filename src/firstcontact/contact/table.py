@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache, partial
@@ -129,20 +128,26 @@ def matrix() -> str:
 
 def first_contact(query: Query) -> FirstContact:
     """The answer of the room for the bodies."""
-    answer: Callable[[Query], FirstContact] = partial(one_motion.asked, partial(_answer, "first"))
-    return linked.first(lambda own: plain.asked(answer, own), query)
+    return linked.first(lambda own: plain.asked(_first, own), query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
-    answer: Callable[[Query], ContactIntervals] = partial(one_motion.asked, partial(_answer, "intervals"))
-    return linked.intervals(lambda own: plain.asked(answer, own), query)
+    return linked.intervals(lambda own: plain.asked(_intervals, own), query)
 
 
 def contact_pairs(query: Query) -> ContactPairs:
     """The answer of the room for the bodies."""
     proves("contact_pairs", *query.bodies)
     return linked.pairs(_room(PAIRS[kinds_of(*query.bodies)].room).pairs, query)
+
+
+def _first(query: Query) -> FirstContact:
+    return one_motion.asked(lambda own: _answer("first", own), query)
+
+
+def _intervals(query: Query) -> ContactIntervals:
+    return one_motion.asked(lambda own: _answer("intervals", own), query)
 
 
 class _Room(Protocol):

@@ -132,7 +132,7 @@ def _mimic(name: str, given: Any) -> Mimic:
     try:
         leader, *rest = (given,) if isinstance(given, str) else tuple(given)
         found = Mimic(leader, *rest)
-    except TypeError as error:
+    except (TypeError, ValueError) as error:
         raise InputError(f"joint {name!r}: mimic is {shown(given)}; give (joint, ratio, offset)") from error
     keys = zip(("ratio", "offset"), found[1:], strict=True)
     return Mimic(found.joint, *(bounded(x, f"joint {name!r}: mimic {key}") for key, x in keys))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -48,10 +48,8 @@ class Mechanism:
             raise InputError(f"links are {shown(links)}; give a dict of bodies by the names of their links")
         self.links = {name: _bodies(name, given) for name, given in links.items()}
         self.joints = {joint.name: joint for joint in _joints(joints)}
-        self.skip = frozenset(frozenset(pair) for pair in skip)
         self._above = self._parents()
-        for link in {link: None for pair in self.skip for link in pair}:
-            self._known(link, "skip")
+        self.skip = frozenset(self._skipped(skip))
         for name in self.links:
             self.chain(name)
         self._check_mimics()
@@ -102,6 +100,15 @@ class Mechanism:
         if link not in self.links:
             raise InputError(f"{who}: no link {link!r}; the links are {', '.join(map(repr, self.links))}")
 
+    def _skipped(self, skip: Iterable[Iterable[str]]) -> Iterator[frozenset[str]]:
+        for k, pair in enumerate(skip):
+            names = () if isinstance(pair, str) else tuple(pair)
+            if len(set(names)) != 2 or len(names) != 2:
+                raise InputError(f"skip[{k}] is {shown(pair)}; give the names of two links")
+            for link in names:
+                self._known(link, f"skip[{k}]")
+            yield frozenset(names)
+
     def _parents(self) -> dict[str, Joint]:
         above: dict[str, Joint] = {}
         for joint in self.joints.values():
@@ -137,6 +144,8 @@ def _bodies(link: str, given: Any) -> list[Any]:
 
 
 def _joints(joints: Iterable[Joint]) -> list[Joint]:
+    if not isinstance(joints, Iterable):
+        raise InputError(f"joints are {shown(joints)}; give a list of Joints")
     found = list(joints)
     for k, joint in enumerate(found):
         if not isinstance(joint, Joint):

@@ -41,7 +41,7 @@ class Robot(Mechanism):
             raise InputError(f"path is {shown(path)}; give that of a URDF file")
         read = urdf.read(Path(path), packages or {}, place)
         off = semantic.disabled(Path(srdf)) if srdf is not None else []  # such files may be about more links
-        known = [pair for pair in off if read.links.keys() >= set(pair)]
+        known = [pair for pair in off if len(set(pair)) == 2 and read.links.keys() >= set(pair)]
         pairs = [*skip, *known, *adjacent(read.joints)]
         robot = cls(read.links, read.joints, skip=pairs)
         robot.name = read.name

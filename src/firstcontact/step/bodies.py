@@ -141,7 +141,10 @@ def _check_volume(solid: StepSolid, corners: np.ndarray, deviation: float) -> No
     volume = float(np.einsum("ij,ij->i", p, np.cross(q, r)).sum()) / 6
     wanted, area = solid.volume_and_area
     if wanted <= 0.0:
-        raise InputError(f"{solid.who}: its faces look inward (volume {wanted:.3g}); export it again")
+        raise InputError(
+            f"{solid.who}: OpenCASCADE finds the volume {wanted:.3g} in it: its faces look inward, or it is too far "
+            "from the origin for its size; export it again, near the origin"
+        )
     if abs(volume - wanted) > 2.0 * area * deviation + 1e-5 * wanted:
         raise InputError(
             f"{solid.who}: its faces do not enclose what they bound (volume {volume:.6g}, by OpenCASCADE "
