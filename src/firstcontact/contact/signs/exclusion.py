@@ -13,10 +13,9 @@ from math import comb
 from typing import NamedTuple
 
 import numpy as np
-from flint import fmpq
+from flint import fmpq, fmpz, fmpz_poly
 
 from firstcontact.contact.signs.conditions import SignConditions
-from firstcontact.exact.numbers import to_double
 from firstcontact.exact.polynomials.trivariate import degree, terms
 
 # Relative to the largest coefficient with absolute values in place of all numbers.
@@ -174,20 +173,24 @@ def powers(c: SignConditions) -> np.ndarray:
 @lru_cache(maxsize=256)
 def _to_bernstein(n: int, lo: fmpq, hi: fmpq) -> np.ndarray:
     """(n + 1, n + 1) from coefficients of powers to those of the Bernstein form on [lo, hi]; one row where lo = hi."""
-    return np.array([[to_double(x) for x in row] for row in to_bernstein_exactly(n, lo, hi)])
+    numbers, below = _bernstein_in_integers(n, lo, hi)
+    return np.array([[int(x) / b for x, b in zip(row, below, strict=True)] for row in numbers])
 
 
 def to_bernstein_exactly(n: int, lo: fmpq, hi: fmpq) -> list[list[fmpq]]:
     """The same in rational numbers."""
+    numbers, below = _bernstein_in_integers(n, lo, hi)
+    return [[fmpq(x, b) for x, b in zip(row, below, strict=True)] for row in numbers]
+
+
+def _bernstein_in_integers(n: int, lo: fmpq, hi: fmpq) -> tuple[list[list[fmpz]], list[int]]:
+    """The same as numerators, and a denominator for each column."""
+    q = lo.q.lcm(hi.q)
     if lo == hi:
-        return [[lo**j for j in range(n + 1)]]
-    rows = []
-    for i in range(n + 1):
-        # the blossom of x^j with i arguments hi and n - i arguments lo
-        row = []
-        for j in range(n + 1):
-            parts = range(max(0, i + j - n), min(i, j) + 1)
-            total = sum((comb(i, m) * comb(n - i, j - m) * hi**m * lo ** (j - m) for m in parts), fmpq(0))
-            row.append(total / comb(n, j))
-        rows.append(row)
-    return rows
+        return [[lo.p**j * lo.q ** (n - j) for j in range(n + 1)]], [int(q) ** n] * (n + 1)
+    of_lo, of_hi = (fmpz_poly([q, x.p * (q // x.q)]) for x in (lo, hi))
+    # the blossom of x^j with i arguments hi and n - i arguments lo: their elementary symmetric functions
+    sums = [of_lo**n]
+    for _ in range(n):
+        sums.append(sums[-1] // of_lo * of_hi)
+    return [[row[j] for j in range(n + 1)] for row in sums], [int(q) ** n * comb(n, j) for j in range(n + 1)]
