@@ -36,6 +36,7 @@ TURNS = {
 """Of lids, that all turn up."""
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("lid", LIDS)
 @pytest.mark.parametrize("floor", FLOORS)
 def test_a_lid_is_lifted(lid, floor):
@@ -49,6 +50,7 @@ def test_a_floor_that_turns_up_meets_the_lid_at_once(lid):
     assert fc.first_new_contact(FLOORS["box"].moving(TURNS["disc"]), LIDS[lid]).status is not Status.FREE
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("lid", LIDS)
 @pytest.mark.parametrize("floor", FLOORS)
 def test_a_lid_comes_down_on_the_other_side(lid, floor):
@@ -58,6 +60,7 @@ def test_a_lid_comes_down_on_the_other_side(lid, floor):
     assert hit.time == pytest.approx((math.pi - math.atan2(1, 2)) / math.radians(170), abs=1e-12)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("lid", LIDS)
 @pytest.mark.parametrize("floor", FLOORS)
 def test_a_lid_about_a_line_below_comes_back(lid, floor):
@@ -91,6 +94,13 @@ def test_a_ball_swings_off_what_it_touches(turn):
     ball = fc.sphere(1).translated((0, 0, 1))
     for below in (FLOORS["box"], FLOORS["mesh"], fc.sphere(2).translated((0, 0, -2))):
         assert asked_both_ways(ball.moving(turn), below).status is Status.FREE
+
+
+def test_a_ball_that_comes_back_to_a_ball_meets_it_anew():
+    """The plane between them is kept, but none in which they slide."""
+    ball, below = fc.sphere(1).translated((0, 0, 1)), fc.sphere(2).translated((0, 0, -2))
+    hit = asked_both_ways(ball.moving(Sequence([Translation((3, 1, 0)), Translation((-3, -1, 0))])), below)
+    assert hit.status is Status.CONTACT and hit.time == 1
 
 
 def test_a_ball_that_swings_over_its_hinge_presses_in():

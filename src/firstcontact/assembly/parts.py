@@ -38,6 +38,8 @@ from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.result import Element, FirstContact, Status
 
 if TYPE_CHECKING:
+    from flint import fmpq
+
     from firstcontact.body.kinds import Body, Shape
 
 MOST_PARTS = 200
@@ -122,8 +124,7 @@ def by_parts(a: Body, b: Body, asking: NewContactQuery) -> FirstContact | None:
 def _after_start(x: StartPart, y: StartPart, asking: NewContactQuery) -> FirstContact:
     """New contacts of two parts that touch, as on a hinge.  Raises Lasts."""
     a, b = x.body, y.body
-    planes = (side for side in _parting_sides(x, y) if isinstance(side, Plane))
-    off = lifted_until((a, b), (x.reach(), y.reach()), planes, asking.first, asking.last)
+    off = _lifted_until(x, y, asking)
     if off is not None:
         return asking.first_contact(a, b, fraction(off))
     try:
@@ -137,17 +138,27 @@ def _after_start(x: StartPart, y: StartPart, asking: NewContactQuery) -> FirstCo
     return found
 
 
+def _lifted_until(x: StartPart, y: StartPart, asking: NewContactQuery) -> fmpq | None:
+    """A time until which the parts are off each other, as one turns off a plane of theirs, or one between balls."""
+    lift = lift_of(x.body, y.body, asking.first)
+    if lift is None:
+        return None
+    sides = [*_sides_of(x, y), *planes_between_balls(x.sides, y.sides)]
+    along = (side for side in sides if isinstance(side, Plane) and lift.is_along(side))
+    planes = (side for side in along if _separates(side, x, y))
+    return lifted_until((x.body, y.body), (x.reach(), y.reach()), planes, asking.first, asking.last)
+
+
 def _seams(x: StartPart, y: StartPart, by: Sequence[Rows]) -> Iterator[Surface]:
     """Surfaces of theirs that the motion keeps, or off which they part, with x on the negative side, y on the other."""
-    return (side for side in _parting_sides(x, y) if parting(side, by) in (0, -1))
-
-
-def _parting_sides(x: StartPart, y: StartPart) -> Iterator[Surface]:
-    """Surfaces of theirs, and between balls, with x on the negative side at the start, and y on the other."""
-    own = [*x.sides, *(side.negated() for side in y.sides), *planes_between_balls(x.sides, y.sides)]
-    for side in dict.fromkeys(own):
-        if _separates(side, x, y):
+    for side in _sides_of(x, y):
+        if parting(side, by) in (0, -1) and _separates(side, x, y):
             yield side
+
+
+def _sides_of(x: StartPart, y: StartPart) -> Iterable[Surface]:
+    """Surfaces of theirs, each once, negative on the side of x."""
+    return dict.fromkeys([*x.sides, *(side.negated() for side in y.sides)])
 
 
 def _separates(side: Surface, x: StartPart, y: StartPart) -> bool:
