@@ -12,9 +12,9 @@ import firstcontact as fc
 DOWN = (0, 0, -64)
 
 
-def pin_on_a_rim(s):
+def pin_on_a_rim(s):  # all around it, a ring as wide as a thousandth of it
     plate = fc.box((64 * s, 64 * s, 8 * s)) - fc.cylinder(8 * s, 16 * s)
-    return fc.cylinder(8 * s * (1 + F(1, 1000)), 32 * s).translated((0, 0, 30 * s)), plate, F(5, 32), "conic arc"
+    return fc.cylinder(8 * s * (1 + F(1, 1000)), 32 * s).translated((0, 0, 30 * s)), plate, F(5, 32), "patch"
 
 
 def can_on_a_box(s):  # lands on its side
