@@ -337,15 +337,15 @@ def _lifted_until(x: MeshPart, y: MeshPart, asking: NewContactQuery) -> Fraction
     if not (x.mesh.is_known and y.mesh.is_known):
         return None
     pairs = [(part.mesh, int(part.triangles[0])) for part in (x, y)]
-    points = [[mesh.point(v) for v in mesh.corners(k)] for mesh, k in pairs]
+    below, above = ([mesh.point(v) for v in mesh.corners(k)] for mesh, k in pairs)
     own = [plane for mesh, k in pairs if (plane := mesh.plane(k)) is not None]
-    planes = [plane for one in own for plane in (one, one.negated()) if _parts(plane, *points)]
-    off = lifted_until((x.body, y.body), points, planes, asking.first, asking.last)
+
+    def separates(plane: Plane) -> bool:
+        return all(plane.value((*p, 1)) <= 0 for p in below) and all(plane.value((*p, 1)) >= 0 for p in above)
+
+    sides = [side for plane in own for side in (plane, plane.negated())]
+    off = lifted_until((x.body, y.body), (lambda: below, lambda: above), sides, separates, asking.first, asking.last)
     return None if off is None else fraction(off)
-
-
-def _parts(plane: Plane, below: list[Vector], above: list[Vector]) -> bool:
-    return all(plane.value((*p, 1)) <= 0 for p in below) and all(plane.value((*p, 1)) >= 0 for p in above)
 
 
 def _axis(a: Body, b: Body) -> Rotation | None:

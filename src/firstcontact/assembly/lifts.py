@@ -14,7 +14,7 @@ most, the worst point would have H = 0 and the least S; of a ball, H = 0 and its
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from collections.abc import Sequence as Listing
 from dataclasses import dataclass
 from itertools import product
@@ -44,11 +44,15 @@ BITS = 128
 
 
 class Lift(NamedTuple):
-    """A turn of the first body, seen from the second, about a line; sense: of the angle about the axis."""
+    """How one body turns, seen from another, about a line: forward about the axis."""
 
     step: Step
     axis: Vector
     point: Vector
+
+    def reversed(self) -> Lift:
+        """How the other one turns, seen from this."""
+        return self._replace(axis=scaled(-1, self.axis))
 
     def is_along(self, plane: Plane) -> bool:
         """Whether the line is parallel to the plane."""
@@ -81,11 +85,15 @@ class Heights:
     of_points: list[Quadratic]
     most: fmpq | None = None
 
-    def are_positive(self, tau: fmpq) -> bool:
-        """For all from zero on, but zero itself, up to tau."""
+    def rise(self) -> bool:
+        """Whether they are positive right after zero."""
+        return all(map(_rises, self.of_points))
+
+    def stay(self, tau: fmpq) -> bool:
+        """Whether, if they rise, they are positive for all from there up to tau."""
         if self.most is not None and tau * tau > self.most:
             return False
-        return all(map(_rises, self.of_points)) and all(_stays(x, tau) for x in self.of_points)
+        return all(_stays(x, tau) for x in self.of_points)
 
 
 @dataclass(frozen=True)
@@ -101,24 +109,26 @@ Reach: TypeAlias = "list[Vector] | Hull"
 
 
 def lifted_until(
-    bodies: tuple[Body, Body], reaches: Listing[Reach], planes: Iterable[Plane], first: fmpq, last: fmpq | None
-) -> fmpq | None:
+    bodies: tuple[Body, Body], reaches: Listing[Callable[[], Reach]], sides: Iterable[Surface],
+    separates: Callable[[Plane], bool], first: fmpq, last: fmpq | None,
+) -> fmpq | None:  # fmt: skip
     """A time until which bodies share no point from the first one on, which may be left out; None if none is found.
 
-    planes: which have all of the first body where their form is not positive, and all of the second where it is not
-    negative, at the start.
+    sides: surfaces, of which planes are looked at.  separates: whether one has all of the first body where its form is
+    not positive, and all of the second where it is not negative, at the start.
     """
-    for plane in planes:
-        for k in (0, 1):
-            lift = lift_of(bodies[k], bodies[1 - k], first)
-            if lift is None or not lift.is_along(plane):
-                continue
-            under = plane.negated() if k == 0 else plane
-            heights = list(_heights(reaches[k], under, lift))
-            time = lift.until(first, last)
-            for _ in range(MOST_HALVINGS):
-                tau = lift.tau(first, time)
-                if any(x.are_positive(tau) for x in heights):
+    lift = lift_of(*bodies, first)
+    if lift is None:
+        return None
+    for plane in sides:
+        if not (isinstance(plane, Plane) and lift.is_along(plane) and separates(plane)):
+            continue
+        for own, reach, under in ((lift, reaches[0], plane.negated()), (lift.reversed(), reaches[1], plane)):
+            heights = [x for x in _heights(reach(), under, own) if x.rise()]
+            time = own.until(first, last)
+            for _ in range(MOST_HALVINGS if heights else 0):
+                tau = own.tau(first, time)
+                if any(x.stay(tau) for x in heights):
                     return time
                 time = (first + time) / 2
     return None

@@ -140,13 +140,10 @@ def _after_start(x: StartPart, y: StartPart, asking: NewContactQuery) -> FirstCo
 
 def _lifted_until(x: StartPart, y: StartPart, asking: NewContactQuery) -> fmpq | None:
     """A time until which the parts are off each other, as one turns off a plane of theirs, or one between balls."""
-    lift = lift_of(x.body, y.body, asking.first)
-    if lift is None:
-        return None
     sides = [*_sides_of(x, y), *planes_between_balls(x.sides, y.sides)]
-    along = (side for side in sides if isinstance(side, Plane) and lift.is_along(side))
-    planes = (side for side in along if _separates(side, x, y))
-    return lifted_until((x.body, y.body), (x.reach(), y.reach()), planes, asking.first, asking.last)
+    return lifted_until(
+        (x.body, y.body), (x.reach, y.reach), sides, lambda plane: _separates(plane, x, y), asking.first, asking.last
+    )
 
 
 def _seams(x: StartPart, y: StartPart, by: Sequence[Rows]) -> Iterator[Surface]:
