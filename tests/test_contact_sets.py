@@ -52,6 +52,14 @@ def test_patches_may_be_thin(width, exact):
 
 
 @pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize("width", [F(1, 100), F(1, 10**6), F(1, 10**8), F(1, 10**10)])
+def test_lenses_may_be_thin(width, exact):
+    """A disc that lands on the rim of another one, by so much of its own."""
+    aside = DISC.translated((2 - width, 0, 4))
+    assert fc.first_contact(aside.moving(DOWN), DISC, exact=exact).contact_set == "patch"
+
+
+@pytest.mark.parametrize("exact", [False, True])
 def test_a_peg_as_wide_as_its_hole_meets_its_rim(exact):
     hit = fc.first_contact(DISC.translated((0, 0, 5)).moving(DOWN), BLOCK - fc.cylinder(1, 9), exact=exact)
     assert hit.contact_set == "conic arc"

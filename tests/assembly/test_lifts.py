@@ -70,6 +70,23 @@ def test_a_lid_about_a_line_below_comes_back(lid, floor):
     assert hit.time_interval[0] <= 0.75 <= hit.time_interval[1]
 
 
+@pytest.mark.parametrize("tall", [fc.cylinder(1, 4), fc.box((2, 2, 4)), fc.examples.box((2, 2, 4))])
+def test_what_is_taller_than_its_hinge_is_far_falls_on_its_side(tall):
+    """Its upper near corner, (2, 4) from the hinge, is down after more than a quarter turn."""
+    moving = tall.translated((0, 0, 2)).moving(Rotation((0, -1, 0), (-3, 0, 0), degrees=140))
+    hit = asked_both_ways(moving, FLOORS["box"])
+    assert hit.status is Status.CONTACT
+    assert hit.time == pytest.approx((math.pi - math.atan2(4, 2)) / math.radians(140), abs=1e-9)
+
+
+@pytest.mark.parametrize("lid", LIDS)
+@pytest.mark.parametrize("degrees", [200, 330])
+def test_a_lid_that_goes_most_of_a_round(lid, degrees):
+    """About a line as high as its middle it lies on its back after half a turn."""
+    hit = asked_both_ways(LIDS[lid].moving(Rotation((0, -1, 0), (-3, 0, "1/2"), degrees=degrees)), FLOORS["box"])
+    assert hit.status is Status.CONTACT and hit.time == pytest.approx(180 / degrees, abs=1e-9)
+
+
 @pytest.mark.parametrize("lid", LIDS)
 @pytest.mark.parametrize("hinge", [(-3, 1), ("1/2", 1), ("1/2", -1), (0, -1)])
 def test_a_lid_that_is_pressed_in_meets_at_once(lid, hinge):

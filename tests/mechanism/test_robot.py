@@ -110,7 +110,8 @@ def test_velocities_of_a_trajectory_make_it_cubic(tmp_path):
 
 def test_what_is_switched_off_is_not_asked(tmp_path):
     srdf = tmp_path / "lamp.srdf"
-    srdf.write_text('<robot name="lamp"><disable_collisions link1="foot" link2="shade" reason="Never"/></robot>')
+    off = [f'<disable_collisions link1="foot" link2="{link}" reason="Never"/>' for link in ("shade", "foot")]
+    srdf.write_text(f'<robot name="lamp">{"".join(off)}</robot>')
     pairs = {
         frozenset((a.name, b.name)) for a, b in fc.Robot.load(LAMP, srdf=srdf).course([0, 1], {"bend": [0, 1]}).pairs()
     }
