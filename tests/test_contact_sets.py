@@ -54,9 +54,12 @@ def test_patches_may_be_thin(width, exact):
 @pytest.mark.parametrize("exact", [False, True])
 @pytest.mark.parametrize("width", [F(1, 100), F(1, 10**6), F(1, 10**8), F(1, 10**10)])
 def test_lenses_may_be_thin(width, exact):
-    """A disc that lands on the rim of another one, by so much of its own."""
+    """A disc that lands by so much on the rim of another one, on an edge, and on the sides of a square hole."""
     aside = DISC.translated((2 - width, 0, 4))
     assert fc.first_contact(aside.moving(DOWN), DISC, exact=exact).contact_set == "patch"
+    assert fc.first_contact(aside.moving(DOWN), PLATE.translated((F(7, 2), 0, 0)), exact=exact).contact_set == "patch"
+    square = BLOCK - fc.box((2 - 2 * width, 2 - 2 * width, 9))
+    assert fc.first_contact(DISC.translated((0, 0, 5)).moving(DOWN), square, exact=exact).contact_set == "patch"
 
 
 @pytest.mark.parametrize("exact", [False, True])

@@ -3,6 +3,7 @@
 import math
 import random
 
+import numpy as np
 import pytest
 
 import firstcontact as fc
@@ -95,11 +96,56 @@ def test_a_lid_that_is_pressed_in_meets_at_once(lid, hinge):
     assert hit.status is Status.CONTACT and hit.time == 0
 
 
-def test_a_lid_is_lifted_and_laid_down_beside():
-    """After 53 of the last 60 degrees."""
-    up, down = (Rotation((0, -1, 0), (-3, 0, 0), degrees=x) for x in (53, -60))
+@pytest.mark.parametrize(("degrees", "back"), [(53, 60), (30, 40)])
+def test_a_lid_is_lifted_and_laid_down_beside(degrees, back):
+    """Before the end of its way back, which is longer."""
+    up, down = (Rotation((0, -1, 0), (-3, 0, 0), degrees=x) for x in (degrees, -back))
     hit = fc.first_new_contact(LIDS["disc"].moving(Sequence([up, Translation((0, 1, 0)), down])), FLOORS["box"])
-    assert hit.status is Status.CONTACT and hit.time == pytest.approx((2 + 53 / 60) / 3, abs=1e-9)
+    assert hit.status is Status.CONTACT and hit.time == pytest.approx((2 + degrees / back) / 3, abs=1e-9)
+
+
+@pytest.mark.parametrize("solid", [False, True])
+def test_a_bar_that_is_lifted_about_a_tilted_line_comes_down_at_its_end(solid):
+    """Against the heights of its corners by Rodrigues' formula."""
+    make, axis, hinge = (fc.box if solid else fc.examples.box), np.array([0, -3, 4]) / 5, np.array([-3, 0, 0])
+    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-10, 10) for z in (0, 1)], float) - hinge
+
+    def lowest(share):
+        angle = math.radians(60) * share
+        turned = math.cos(angle) * corners + math.sin(angle) * np.cross(axis, corners)
+        return (turned + (1 - math.cos(angle)) * np.outer(corners @ axis, axis))[:, 2].min()
+
+    times = np.linspace(0, 1, 10_001)[1:]
+    low = np.array([lowest(t) for t in times])
+    first = times[np.argmax(low <= 0)]
+    assert low[0] > 0 and low.min() < 0
+    turn = Rotation((0, -3, 4), (-3, 0, 0), degrees=60)
+    hit = fc.first_new_contact(make((2, 20, 1)).translated((0, 0, "1/2")).moving(turn), FLOORS["box"])
+    assert hit.status is not Status.FREE and hit.free_until <= first
+    assert hit.status is Status.UNDECIDED or first - 1e-4 <= hit.time <= first
+
+
+@pytest.mark.parametrize("lid", LIDS)
+def test_a_floor_that_rises_sooner_than_the_lid_presses_it(lid):
+    rising = FLOORS["box"].moving(Translation((0, 0, 5)))
+    hit = fc.first_new_contact(LIDS[lid].moving(Rotation((0, -1, 0), (-3, 0, 0), degrees=60)), rising)
+    assert hit.status is not Status.FREE and hit.free_until == 0
+
+
+@pytest.mark.parametrize("kind", ["mesh", "box"])
+def test_a_lid_that_stands_where_no_rational_numbers_tell(kind):
+    """It was turned to the other side of the hinge before, and is pressed in."""
+    aside, down = Rotation((0, 0, 1), degrees=170), Rotation((0, -1, 0), degrees=30)
+    moving = LIDS[kind].translated((3, 0, 0)).moving(Sequence([aside, down]))
+    hit = fc.first_new_contact(moving, FLOORS[kind], ("1/2", 1))
+    assert hit.status is not Status.FREE and (hit.free_until or 0.5) == 0.5
+
+
+def test_a_cap_is_less_than_its_ball():
+    """It lies on a flat that reaches beyond the hinge, as its ball would not that touched there."""
+    cap = fc.sphere(2).translated((0, 0, 1)) & fc.half_space((0, 0, -1), 0)
+    hit = fc.first_new_contact(cap.moving(Rotation((0, -1, 0), (-1, 0, 0), degrees=60)), FLOORS["box"])
+    assert hit.status is not Status.FREE and hit.free_until == 0
 
 
 @pytest.mark.parametrize("turn", [

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 ARC_POINTS = 720
 """Points along a whole conic."""
+FEWEST = 9
+"""Points along a part of one, however short: which side of it both models hold is looked for from its middle."""
 OPEN = "it is not told whether they share a point of a curve"
 OUTSIDE = "outside the faces"
 AT_INFINITY = 1e-12
@@ -228,7 +230,7 @@ class _Conic:
         if stretch is None:
             return _shared("point", at, self.frame, [t], unit)
         length = stretch.hi - stretch.lo
-        angles = np.linspace(stretch.lo, stretch.hi, 2 + round(ARC_POINTS * length / TURN))
+        angles = np.linspace(stretch.lo, stretch.hi, max(FEWEST, 2 + round(ARC_POINTS * length / TURN)))
         closed = length >= TURN * (1.0 - 1e-12)
         return _shared("conic arc", at, self.frame, angles[:-1] if closed else angles, unit, closed)
 
