@@ -50,8 +50,8 @@ def chosen_engine():
 
 
 def pytest_collection_modifyitems(config, items):
-    """Leave out what `share` marks leave out: on a diagonal, so that each value of one parameter is seen if another one
-    has enough values."""
+    """Leave out what is `thorough`, and what `share` marks leave out: on a diagonal, so that each value of one
+    parameter is seen if another one has enough values."""
     if THOROUGH:
         return
     values = {}
@@ -62,6 +62,8 @@ def pytest_collection_modifyitems(config, items):
 
 def _is_left_out(item, values):
     """values: of each test's parameters those seen so far, by identity."""
+    if item.get_closest_marker("thorough"):
+        return True
     mark = item.get_closest_marker("share")
     if mark is None:
         return False

@@ -61,6 +61,7 @@ def test_solids_of_planes_flush_at_the_side():
         assert hit.contact_set is None
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("cut", ["drilled", "rounded"])
 def test_solids_with_round_walls_flush_at_the_side(cut):
     """Intervals were UNDECIDED from half the time on, where sides come flush."""
@@ -75,6 +76,7 @@ def test_solids_with_round_walls_flush_at_the_side(cut):
     assert (x.start, x.end) == pytest.approx((np.degrees(angle) / 180, 1 - np.degrees(angle) / 180), abs=1e-12)
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("seed", range(amount(300, 20)))
 def test_boxes_on_a_screw(seed):
     rng = np.random.default_rng(seed)

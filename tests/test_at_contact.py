@@ -19,6 +19,7 @@ def pairs(hit) -> set[tuple[str, str]]:
     return {(str(p.element_a), str(p.element_b)) for p in (hit, *hit.others)}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(2))
 def test_what_is_near_tells_the_same_as_everything(seed):
     """Slots that land flat, over the edge of a hole or of the plate."""

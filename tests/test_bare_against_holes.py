@@ -62,6 +62,7 @@ def eighths(rng, size):
     return rng.integers(-8 * size, 8 * size + 1, 3) / 8
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", SOLIDS)
 @pytest.mark.parametrize("seed", range(6))
 def test_points(name, seed):
@@ -84,7 +85,7 @@ def test_points(name, seed):
             assert (hit.element_a, hit.element_b)[k].kind == "vertex"
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(8)
 @pytest.mark.parametrize("name", SOLIDS)
 @pytest.mark.parametrize("seed", range(3))
 def test_edges_and_open_triangles(name, seed):
@@ -123,6 +124,7 @@ def test_the_places_reported():
         assert hit.status is fc.Status.CONTACT and abs(hit.time - time) < 1e-6
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("kind", ["point", "edge"])
 def test_grazes_and_misses_by_next_to_nothing(kind):
     """Past the outside of the ring along a tangent, and past its top; far below doubles."""
@@ -140,6 +142,7 @@ def test_grazes_and_misses_by_next_to_nothing(kind):
             assert abs(side.time - 0.5) < 1e-9 and abs(top.time - (3 - np.sqrt(1.75)) / 6) < 1e-9
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("tilt", [F(0), F(1, 2**53), F(-1, 2**40)])
 def test_a_rod_with_a_bore_that_is_across_but_for_rounding(tilt):
     """As files have bores: the square of the tilt is all that the form says along the axis."""

@@ -30,6 +30,7 @@ def sorted_points(points) -> np.ndarray:
     return np.array(sorted(np.round(x, 9).tolist() for x in points)).reshape(-1, 3)
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("case", STATIC, ids=str)
 def test_both_paths_give_the_vectors(case):
     """All that the exact path finds, within the box in which curves of whole rulings are looked for."""

@@ -56,6 +56,7 @@ UNBOUNDED = {
 }
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", BOUNDED)
 def test_bounded(name):
     """Found from outside: bowls cut by one plane, and all that reaches 2^24, were refused as unbounded."""
@@ -67,11 +68,13 @@ def test_bounded(name):
     assert fc.first_contact(solid.moving(fc.Translation((0, 0, 1))), drop).status is fc.Status.FREE
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("name", UNBOUNDED)
 def test_unbounded(name):
     assert not UNBOUNDED[name]().bounded
 
 
+@pytest.mark.thorough
 def test_nothing_is_left_out():
     rng = np.random.default_rng(261126)
     directions = rng.normal(size=(4000, 3))

@@ -94,6 +94,7 @@ def test_points_of_strips_are_on_both_surfaces(n):
             assert end.kind == "boundary" and end.on and end.exact is None
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("n", STRIPS)
 def test_no_branch_of_strips_is_missed(n):
     """Rulings of either at random meet the other where a volume changes its sign along it."""

@@ -54,7 +54,7 @@ def overlap(x, y) -> bool:
     return x[0] <= y[1] and y[0] <= x[1]
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("name", SCENES)
 def test_as_exact_arithmetic_tells(name):
     proved, known = forced(*SCENES[name]), fc.contact_intervals(*SCENES[name])
@@ -74,6 +74,7 @@ def share_points(a, b, t, grid) -> bool:
     return bool(np.any(held[0] & held[1]))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("b", [EGG.translated((0, 3, 0)), RING.translated((1, 1, 0))], ids=["egg", "ring"])
 def test_a_screw_against_samples(b):
     a = SMALL.translated((3, 0, 0)).moving(SCREW)
@@ -87,6 +88,7 @@ def test_a_screw_against_samples(b):
         assert share_points(a, b, t, grid) == held or near, t
 
 
+@pytest.mark.thorough
 def test_backwards_and_in_parts():
     a, b = SMALL.translated((3, 0, 0)), EGG.translated((0, 3, 0))
     whole = fc.contact_intervals(a.moving(SCREW), b)
@@ -138,6 +140,7 @@ def test_windows_reversed_in_time(motion):
         assert np.array_equal(there, w[HERE_A])
 
 
+@pytest.mark.thorough
 def test_the_number_of_contacts_is_not_limited(monkeypatch):
     """Stretches are counted within one contact: the limit once was for all of them."""
     monkeypatch.setattr(TimeSweep, "most_turns", 3)

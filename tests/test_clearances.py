@@ -17,6 +17,7 @@ def tube(s):
     return fc.box((64 * s, 64 * s, 24 * s)) - fc.cylinder(8 * s, 60 * s)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("clearance", ["1e-8", "1e-9", "1e-11"])
 def test_a_ball_begins_free_in_the_middle_of_a_bore(clearance):
     e = F(clearance)
@@ -26,7 +27,7 @@ def test_a_ball_begins_free_in_the_middle_of_a_bore(clearance):
     assert hit.point == pytest.approx([8, 0, 4.875]) and hit.normal == pytest.approx([-1, 0, 0])
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("power", [-40, -30, 0, 20, 36])
 @pytest.mark.parametrize("along", [0, 3])
 def test_a_ball_in_a_bore_of_any_size(power, along):
@@ -36,7 +37,7 @@ def test_a_ball_in_a_bore_of_any_size(power, along):
     assert fc.first_contact(ball, tube(s)).time == 0.5
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("seed", range(10))
 def test_balls_that_cross_bores(seed):
     """From a place within the bore to its wall: where the way is the clearance, times a known share of it."""
@@ -51,7 +52,7 @@ def test_balls_that_cross_bores(seed):
     assert hit.normal == pytest.approx(-np.array([c, n, 0], float), abs=1e-6)
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("how", METHODS, ids=str)
 @pytest.mark.parametrize("power", [-30, 24, 28, 36])
 def test_a_pin_a_little_wider_than_the_bore(power, how):

@@ -25,6 +25,7 @@ PAIRS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("swap", (False, True))
 @pytest.mark.parametrize("turned, other", PAIRS.values(), ids=PAIRS)
 def test_the_same_relative_motion_is_told_alike(turned, other, swap):
@@ -41,6 +42,7 @@ def test_the_same_relative_motion_is_told_alike(turned, other, swap):
         assert np.abs(hit.point - still.point - [0, 0, 1.5 * hit.time]).max() < 1e-9
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("turn", (fc.Rotation(UP, degrees=90), fc.Screw((0, 3, 4), degrees=90, advance=F(1, 2))))
 def test_a_shift_along_the_axis_is_taken_off(turn):
     asked = []

@@ -74,6 +74,7 @@ def test_levels_hold_their_edges(turning):
         assert sorted(edges(left) + edges(right)) == edges(node)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("make", ENCOUNTERS)
 @pytest.mark.parametrize("turning", [False, True], ids=["translation", "rotation"])
 def test_as_many_threads_as_one_likes(make, turning):

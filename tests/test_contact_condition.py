@@ -48,6 +48,7 @@ def test_parallel_rulings_that_meet_on_one_border_alone():
     agree(condition, places)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("length", ["2", "2/(5 - u)"])
 def test_parallel_rulings_are_few_cells(length):
     """Every pair of brackets and coordinates made borders: tens of thousands of cells, half a minute."""

@@ -31,6 +31,7 @@ SCENES = {
 }
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", SCENES)
 def test_kinds_and_numbers(name):
     a, b, kind, count = SCENES[name]
@@ -40,6 +41,7 @@ def test_kinds_and_numbers(name):
     assert [hit.multiplicity for hit in hits] == [count] * 3
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("exact", [False, True])
 @pytest.mark.parametrize("width", [F(1, 100), F(1, 10**6), F(1, 10**9), F(1, 10**12)])
 def test_patches_may_be_thin(width, exact):
@@ -51,6 +53,7 @@ def test_patches_may_be_thin(width, exact):
         assert fc.first_contact(above.moving(DOWN), block, exact=exact).contact_set == "patch"
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("exact", [False, True])
 @pytest.mark.parametrize("width", [F(1, 100), F(1, 10**6), F(1, 10**8), F(1, 10**10)])
 def test_lenses_may_be_thin(width, exact):
@@ -76,6 +79,7 @@ def test_points_of_a_round_patch_go_around_it():
     assert np.all(np.diff(turns) > 0) or np.all(np.diff(turns) < 0)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("exact", [False, True])
 @pytest.mark.parametrize("swap", [False, True])
 def test_a_ball_in_a_groove_touches_both_sides(exact, swap):

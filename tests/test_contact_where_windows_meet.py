@@ -29,6 +29,7 @@ def assert_is(interval: fc.ContactInterval, start: float, end: float) -> None:
         assert lo <= truth <= hi and hi - lo <= 1e-12
 
 
+@pytest.mark.thorough
 def test_a_nut_flat_on_a_plate_is_one_contact():
     """Two screws, 10 up and 4 down a turn: it rises by 6, through a plate that is 1 thick, 2 above it."""
     bodies = links(nut=fc.box((2, 2, 2)), wall=fc.box((4, 4, 1)).translated((0, 0, F(7, 2))))
@@ -41,6 +42,7 @@ def test_a_nut_flat_on_a_plate_is_one_contact():
     assert_is(interval, 1 / 3, 5 / 6)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("back", (False, True))
 def test_a_ball_on_a_parallelogram_arm_is_one_contact(back):
     """Its centre goes round on a circle of radius 4, and touches the wall at a sixth of a turn; or there and back."""

@@ -32,7 +32,7 @@ MOTIONS = {
 }
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("swap", [False, True], ids=["", "swapped"])
 @pytest.mark.parametrize("motion", list(MOTIONS))
 @pytest.mark.parametrize("pair", list(PAIRS))

@@ -169,6 +169,7 @@ def polycube_truth(cells_a, cells_b, a: Body, b: Body) -> tuple[str, ...]:
     return ("touching",) if close else ()
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("first", range(0, amount(120), 10))
 def test_random_polycubes(first):
     for seed in range(first, first + 10):
@@ -185,6 +186,7 @@ def test_random_polycubes(first):
             assert start(a, b).status is fc.Status.FREE, f"seed {seed}"
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("first", range(0, amount(300), 25))
 def test_random_tetrahedra_and_boxes(first):
     """Convex solids share interior exactly when no face normal and no edge cross product separates them."""

@@ -39,6 +39,7 @@ def _led():
     return _lens().moving(fc.Trajectory([0, 1], poses, quat_wxyz=quaternions, interpolation="linear-quaternion"))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("span", [None, ("3/4", "3/4"), ("3/4", 1)])
 def test_a_graze_at_one_instant_is_no_freedom(span):
     for a, b in ((_led(), _corner()), (_corner(), _led())):
@@ -48,6 +49,7 @@ def test_a_graze_at_one_instant_is_no_freedom(span):
         assert hit.time_interval == (0.75, 0.75) and abs(hit.point).max() < 1e-12
 
 
+@pytest.mark.thorough
 def test_at_rest_they_touch():
     hit = fc.first_contact(_led().at(0.75), _corner())
     assert hit.status is fc.Status.INITIAL_CONTACT and hit.initial == "touching"
@@ -59,6 +61,7 @@ def test_rational_corners_are_points():
     assert "Point" in carriers
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("shift", "status"), [(0, "INITIAL_CONTACT"), ("1/1000000", "FREE"), (-1, "INITIAL_CONTACT")])
 def test_an_edge_of_degree_four_on_a_plane_at_rest(shift, status):
     """x^2 + y^2 <= 1 and x^2 + z^2 <= 4, with y >= 0: the highest points of the edge are (0, y, 2)."""
@@ -69,6 +72,7 @@ def test_an_edge_of_degree_four_on_a_plane_at_rest(shift, status):
     assert fc.first_contact(bicylinder, table).status.name == status
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("shift", "allowed"), [(0, {"INITIAL_CONTACT", "UNDECIDED"}), ("1/1000000", {"FREE"})])
 def test_an_edge_that_touches_a_plane_in_irrational_points(shift, allowed):
     """z <= y^2 - x^2 within x^2 + y^2 <= 2: the highest points (0, +-sqrt(2), 2) are on the edge alone."""

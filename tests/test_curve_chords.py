@@ -65,6 +65,7 @@ class Arcs:
         )  # fmt: skip
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("weighted", [False, True])
 def test_the_fourth_derivative_is_below_its_bound(weighted):
     """Fourth differences of points are means of the fourth derivative."""

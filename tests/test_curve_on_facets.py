@@ -108,7 +108,7 @@ def check_crossings(surface, solid, curve, us, tolerance):
     return count
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("seed", range(amount(18)))
 def test_a_polyhedron_with_a_notch(seed):
     """As the model of the same solid, and as the surface cut in pieces; on both, and nothing missed."""

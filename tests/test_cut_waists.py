@@ -51,6 +51,7 @@ def inner_points(body, count=4000):
     return points[body.contains(points)]
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("make", BODIES)
 def test_a_cover_holds_the_body(make):
     body = make().rotated((1, 2, 3), degrees=40)
@@ -61,6 +62,7 @@ def test_a_cover_holds_the_body(make):
         assert reach >= (points @ n).max() - 1e-9
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("far", AWAYS)
 @pytest.mark.parametrize("make", BODIES)
 def test_apart_by_far(make, far):
@@ -70,6 +72,7 @@ def test_apart_by_far(make, far):
     assert fc.contact_intervals(body, far).status is fc.Status.FREE
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("speed", SPEEDS)
 @pytest.mark.parametrize("place", [("-1/2", "-1/2"), ("-1/4", "-1/2"), (0, "-1/2")])
 def test_a_ball_lands_on_the_flat_top(place, speed):

@@ -52,6 +52,7 @@ HITS = {
 """And when: the balls come down on z = 1, the triangle on z = -1, and x = -2 is a face of the box beside."""
 
 
+@pytest.mark.share(10)
 @pytest.mark.parametrize("exact", [False, True], ids=["default", "exact"])
 @pytest.mark.parametrize("verb", [fc.first_contact, fc.contact_intervals], ids=["first", "intervals"])
 @pytest.mark.parametrize("name", MISSES)
@@ -61,6 +62,7 @@ def test_nothing_touches_what_dangles(name, verb, exact):
         assert verb(*pair, exact=exact).status is Status.FREE
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", HITS)
 def test_the_rest_of_the_solid_is_touched(name):
     a, b, time = HITS[name]
@@ -103,6 +105,7 @@ ALONG = np.diag([1, 0, 1]).tolist()
 SADDLE = np.diag([1, -1, 0]).tolist()
 
 
+@pytest.mark.share(8)
 @pytest.mark.parametrize(
     ("forms", "truth"),
     [
@@ -169,6 +172,7 @@ def valued(form, points):
     return np.einsum("ni,ij,nj->n", points, m[:3, :3], points) + 2 * points @ m[:3, 3]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(40))
 def test_what_is_ruled_out_is_never_found(seed):
     """Random forms with few gradients, and trees over them."""

@@ -37,7 +37,7 @@ MEETINGS = {
 }
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("name", MEETINGS)
 def test_known_meetings(name):
     a, b, expected = MEETINGS[name]
@@ -56,7 +56,7 @@ def test_known_meetings(name):
     assert lo <= expected[0][0] <= hi and hi - lo <= 1e-12 * max(1, hi)
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("size", [1, 10, 100])
 @pytest.mark.parametrize("shape", [fc.cylinder(1, 2), fc.cylinder(1, 2).to_mesh(0.1)], ids=["solid", "mesh"])
 def test_enclosures_are_as_narrow_as_the_time_asks(shape, size):
@@ -132,6 +132,7 @@ ABOVE_FLOOR = [
 ]  # fmt: skip
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("verb", [fc.first_contact, fc.contact_intervals])
 @pytest.mark.parametrize("other", ABOVE_FLOOR)
 def test_an_endless_solid_that_moves(verb, other):

@@ -30,18 +30,20 @@ def assert_agreement(scenes) -> None:
     assert len(seen) == 3, seen
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @MOTIONS
 @pytest.mark.parametrize("first", range(0, amount(2000), 125))
 def test_lattice_scenes(first, rotating):
     assert_agreement((lattice_scene(seed, rotating), False) for seed in range(first, first + 125))
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_lattice_scenes_exactly(rotating):
     assert_agreement((lattice_scene(seed, rotating), True) for seed in range(10_000, 10_000 + amount(250)))
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_solids_own_their_interior(rotating):
     def scene(seed):
@@ -52,7 +54,7 @@ def test_solids_own_their_interior(rotating):
     assert_agreement((scene(seed), False) for seed in range(20_000, 20_000 + amount(250)))
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @MOTIONS
 @pytest.mark.parametrize("bits", [45, 50])
 def test_degenerate_scenes_shaken_by_a_hair(bits, rotating):
@@ -67,6 +69,7 @@ def test_degenerate_scenes_shaken_by_a_hair(bits, rotating):
     assert_agreement((scene(1000 * bits + k), False) for k in range(amount(120, 2)))
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_scenes_of_extreme_proportions(rotating):
     """One unit of length per axis, from 2^-60 to 2^60."""
@@ -94,6 +97,7 @@ def test_a_contact_point_that_takes_more_than_128_bits():
     assert assert_same_first_contact(scene) == naive.CONTACT
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_random_float_scenes(rotating):
     def scene(seed):
@@ -113,6 +117,7 @@ def test_random_float_scenes(rotating):
     assert_agreement((scene(seed), False) for seed in range(40_000, 40_000 + amount(80, 4)))
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_fractions_that_are_no_doubles(rotating):
     def scene(seed):
@@ -153,7 +158,7 @@ def test_any_small_rotation(a, b, h, point, angle):
 # ------------------------------------------------------------------------------------------------- families
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_near_miss_families(family, seed):
@@ -209,6 +214,7 @@ CLOSED_TURNING = {
 }
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", CLOSED)
 def test_closed_meshes_along_a_line(name):
     a, b = CLOSED[name]
@@ -216,6 +222,7 @@ def test_closed_meshes_along_a_line(name):
     assert assert_same_first_contact(Scene(a, b, translation=(1, 0, 0), solid=True)) == naive.CONTACT
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", CLOSED_TURNING)
 def test_closed_meshes_in_a_turn(name):
     a, b = CLOSED_TURNING[name]

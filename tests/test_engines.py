@@ -31,7 +31,7 @@ from generators import FAMILIES, Scene, to_tangent
 MOTIONS = pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @MOTIONS
 @pytest.mark.parametrize(("engine", "count"), [("lifted", 240), ("composed", 60)])
 def test_small_scenes_by_engine(engine, count, rotating):
@@ -40,7 +40,7 @@ def test_small_scenes_by_engine(engine, count, rotating):
     assert len(seen) == 3, seen
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("engine", ["lifted", "composed"])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_near_miss_families_by_engine(family, engine):
@@ -81,6 +81,7 @@ def test_auto_changes_over_where_all_pass_all(rotating):
     assert 10 * auto.stats.pair_tests < boxes.stats.pair_tests
 
 
+@pytest.mark.share(2)
 @pytest.mark.auto
 @pytest.mark.parametrize("turning", [False, True], ids=["translation", "rotation"])
 @pytest.mark.parametrize("make", ["layered_reguli", "woven_rods", "tangent_plates", "near_miss_combs"])
@@ -163,7 +164,7 @@ def rationals(x) -> list[Fraction]:
     return [Fraction(float(v)) for v in x]
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("d", [4, 6])
 @pytest.mark.parametrize("spread", [1.0, 2.0**-30, 0.0])
 def test_boxes_along_principal_axes_hold_their_vectors(d, spread):
@@ -238,6 +239,7 @@ def test_elements_are_told_apart_once_each():
 # -------------------------------------------------------------------------------------- cells of paths
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_cells_of_paths_lose_no_meeting(rotating):
     """Triangles through a point of one of the paths, in doubles but for their rounding; thin and touching ones too."""

@@ -54,7 +54,7 @@ def carried(body: object, motion: object) -> object:
     return body.translated(AWAY) if motion is None else body.translated(AWAY).moving(motion.shifted(by))
 
 
-@pytest.mark.share(5)
+@pytest.mark.share(15)
 @pytest.mark.parametrize("size", SIZES, ids=["1", "2^-30", "3/2^40"])
 @pytest.mark.parametrize("motion", list(motions(F(1))))
 @pytest.mark.parametrize("pair", list(bodies(F(1))))

@@ -35,6 +35,7 @@ PAIRS = {
 BOX = ((F(-1, 8), F(-1, 2), F(-3, 4)), (F(7, 8), F(7, 8), F(7, 8)))
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("size", [F(1), F(1, 2**40), F(2**30)], ids=["1", "2^-40", "2^30"])
 @pytest.mark.parametrize("boxed", [False, True], ids=["", "boxed"])
 @pytest.mark.parametrize("pair", list(PAIRS))
@@ -58,6 +59,7 @@ def test_the_curve_is_that_near_the_origin(pair, boxed, size):
         assert far.box == pytest.approx(np.array(box, float))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("size", [F(1), F(1, 2**20), F(2**30)], ids=["1", "2^-20", "2^30"])
 @pytest.mark.parametrize("other", ["surface", "half-space", "sheet"])
 def test_a_saddle_is_cut_in_a_hyperbola(other, size):

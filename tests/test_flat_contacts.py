@@ -72,7 +72,7 @@ def pairs(hit) -> set[tuple[str, str]]:
     return {*rest, (str(hit.element_a), str(hit.element_b))}
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(16)
 @pytest.mark.parametrize("name", SCENES)
 def test_both_paths_tell_the_same(name, monkeypatch):
     a, vector, b, kind = SCENES[name]
@@ -132,6 +132,7 @@ def test_nearly_parallel_is_not_parallel(tilt):
     assert np.ptp(hit.contact_set.points[:, 0]) < 1e-9 and np.ptp(hit.contact_set.points[:, 1]) == pytest.approx(1)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("tilt", ["1/1000000000", "-1/1000000000000"])
 @pytest.mark.parametrize("name", ["floor", "box"])
 def test_a_capsule_nearly_level_touches_in_one_point(name, tilt):
@@ -215,6 +216,7 @@ ACROSS_A_CAP = {
 }
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("tilted", [False, True], ids=["upright", "tilted"])
 @pytest.mark.parametrize("name", ACROSS_A_CAP)
 def test_algebra_sees_a_ruling_come_to_lie_across_a_round_cap(name, tilted):
@@ -325,6 +327,7 @@ NEARLY_FULL = 360 + 1e-5
 """Degrees: doubles take for parallel what was so before."""
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("body", [SLOPE, ACROSS], ids=["face", "ruling"])
 def test_what_lay_along_a_slope_does_not_after_nearly_a_full_turn(body):
     drop = [fc.Rotation((0, 0, 1), degrees=NEARLY_FULL), fc.Translation((0, 0, -4))]
@@ -354,6 +357,7 @@ def test_what_is_nearly_across_the_axis_of_a_turn_is_not_across():
         assert shifting.time == pytest.approx(hit.time, abs=1e-12) and shifting.contact_set == "point"
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("where", [(2, 0, 0), (0, -2, 0), ("6/5", "8/5", 0)])
 def test_equal_drums_beside_each_other_share_a_segment(where):
     """Their round rims touch in one point, which is no arc, wherever the samples of the rims are."""
@@ -387,6 +391,7 @@ PLUGS = {
 }
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", PLUGS)
 def test_the_pairs_of_a_plug_and_its_seat_are_the_same_whichever_is_named_first(name):
     """The rim at the seat's bottom lies in a plane through the origin: its height has no size to be measured by."""

@@ -59,6 +59,7 @@ def roof_and_rod(rng, error):
     return plate, rod, way
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("error", [E, F(1, 3 * 2**70), F(1, 2**1100), F(7)])
 def test_plates_that_are_flat_but_for_rounding(error):
     """Against the slow reference; every engine in turn, both orders."""

@@ -35,6 +35,7 @@ def _scenes(way, depth):
     yield "corner of a box", corner, disc
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("depth", DEPTHS, ids=lambda x: f"{float(x):g}")
 def test_touch_at_rest_is_told(way, depth):
@@ -47,6 +48,7 @@ def test_touch_at_rest_is_told(way, depth):
             assert depth < 0 or hit.initial == "touching"
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("exact", [False, True])
 @pytest.mark.parametrize("depth", [F(1, 10**k) for k in (2, 5, 7, 10)], ids=lambda x: f"{float(x):g}")
 def test_intervals_of_discs_that_slide_past_each_other(depth, exact):
@@ -65,6 +67,7 @@ def _ellipse(columns, centre, z):
     return fc.cylinder(1, 1).transformed(placed)
 
 
+@pytest.mark.share(18)
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("depth", [F(0), *(s * F(1, 10**k) for k in (4, 8, 12) for s in (1, -1))], ids=float)
 def test_ellipses_in_one_plane(seed, depth):
@@ -89,6 +92,7 @@ def test_ellipses_in_one_plane(seed, depth):
         assert fc.first_contact(*pair).status.name == ("INITIAL_CONTACT" if depth >= 0 else "FREE")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("depth", [F(0), *(s * F(1, 10**k) for k in (3, 9, 11, 13, 17) for s in (1, -1))], ids=float)
 def test_a_lid_and_a_pin_about_the_axis_of_a_hole(depth):
     """Circles about one centre, whose forms are nearly the same all along."""
@@ -98,6 +102,7 @@ def test_a_lid_and_a_pin_about_the_axis_of_a_hole(depth):
             assert fc.first_contact(*pair).status.name == ("INITIAL_CONTACT" if depth >= 0 else "FREE")
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("depth", [F(1, 10**k) for k in (4, 9, 11, 13)], ids=float)
 def test_a_lid_that_is_nearly_round_touches_the_rim_where_it_is_longer(depth):
     """An ellipse with the half diameters 1 + depth and 1 - depth over a hole of radius 1: it crosses the rim."""

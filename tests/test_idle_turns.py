@@ -84,7 +84,7 @@ def under(body, motion):
     return body if TURNS[motion] is None else body.moving(TURNS[motion])
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("of_bolt, of_plate", [
     ("rest", "screw"), ("shift", "turn"), ("shift", "screw"), ("turn", "turns"), ("turns", "other way"),
     ("screw", "rest"), ("screw", "turn"), ("screw", "screw"), ("screw", "other way"), ("other way", "shift"),
@@ -156,6 +156,7 @@ def post(x, y):
     return fc.cylinder("1/4", 20).translated((x, y, 0))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("plate", [DRILLED, DRILLED.translated((0, 0, 1)).moving(fc.Translation((0, 0, -1)))])
 def test_a_plate_need_be_round_about_the_axis_no_farther_than_the_other_body_comes(plate):
     """A pin within the hole never touches it; one that reaches over it lands on the plate after a third of the way."""
@@ -171,6 +172,7 @@ def test_a_plate_need_be_round_about_the_axis_no_farther_than_the_other_body_com
     assert fc.first_contact(lands, DRILLED, exact=True).time_exact == Fraction(1, 3)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("about, time", [((3, 0), None), ((0, 3), 1 / 4), ((-3, 0), 1 / 2)])
 def test_what_the_other_body_meets_by_its_turn_alone_keeps_the_turn(about, time):
     """A pin turns about the axis, 3 from it, towards a post: their axes are 3/4 apart when they touch."""

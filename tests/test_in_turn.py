@@ -67,6 +67,7 @@ def test_doubles_go_on_alone_where_elimination_takes_no_such_motion():
     assert of(TooLarge) == (fc.Status.FREE, later)
 
 
+@pytest.mark.thorough
 def test_box_and_blade_in_both_orders():
     """The second order took seven gigabytes and did not end."""
     box = fc.examples.box((1, 1, 1)).translated((0, 0, 5))
@@ -120,6 +121,7 @@ def _ruling_crosses(pose):
     return False
 
 
+@pytest.mark.thorough
 def test_the_trimmed_scene_in_both_orders_and_both_verbs():
     """Intervals gave [1/3, 1/2] where first_contact refused."""
     cut = fc.RuledSurface("(u,0,0)", "(1,u**2,u)", trim=["u**2+s**2<=1"])
@@ -132,6 +134,7 @@ def test_the_trimmed_scene_in_both_orders_and_both_verbs():
         assert found.status is fc.Status.CONTACT and found.time_interval[0] <= 1 / 3 <= found.time_interval[1]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("method", ["auto", "certified", "algebraic"])
 def test_intervals_take_a_method(method):
     """A ball of radius 1 passes one of radius 2, centres on one line: from |8 t - 4| = 3 on, until it is 3 again."""

@@ -54,7 +54,7 @@ def told(answer: Any) -> tuple[Any, ...]:
     return answer.status, answer.reason, [(x.start, x.end) for x in answer], answer.free_until, counts, ways
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(6)
 @pytest.mark.parametrize(("verb", "name"), ASKED)
 def test_slices_change_no_answer(name, verb, monkeypatch):
     whole = told(verb(*SCENES[name], method="certified"))
@@ -63,6 +63,7 @@ def test_slices_change_no_answer(name, verb, monkeypatch):
     assert told(verb(*SCENES[name], method="certified")) == whole
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("module", [ruled_events, events])
 def test_no_call_of_a_kernel_outlasts_its_slice(module, monkeypatch):
     """However many boxes may be looked at: between two calls a signal is honoured."""
@@ -112,6 +113,7 @@ def test_a_search_goes_on_where_its_slice_ended(monkeypatch):
     assert found[0] == found[1] == found[2] and found[0][1] > 150
 
 
+@pytest.mark.share(8)
 @pytest.mark.parametrize(("verb", "name"), ASKED)
 @pytest.mark.parametrize("budget", [0, 20, 200])
 def test_budgets_hold_within_a_fifth(name, budget, verb):

@@ -104,6 +104,7 @@ def test_common_rulings(vector):
         assert u == pytest.approx(x, rel=1e-15) and v == pytest.approx(y, rel=1e-15)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("vector", VECTORS, ids=repr)
 def test_kinds(vector):
     found, expected = curve_of(vector), vector.expected
@@ -252,7 +253,7 @@ def rulings(surface: fc.RuledSurface) -> Rulings:
 # -- no branch is missed ------------------------------------------------------------------------------------
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("name", ["s01", "s03", "s10", "s11", "s12", "b01", "b02", "b09", "b10", "b11"])
 def test_no_branch_is_missed(name):
     """Rulings of P at random u meet Q in points that are roots of one polynomial: each is on the curve."""

@@ -57,6 +57,7 @@ def bounded(seed: int, rotating: bool) -> Scene:
     return Scene(s.a, s.b, s.translation, until=3 if s.until is None else s.until, solid=solid)
 
 
+@pytest.mark.share(3)
 @MOTIONS
 @pytest.mark.parametrize("first", range(0, amount(600), 50))
 def test_lattice_scenes(first, rotating):
@@ -64,6 +65,7 @@ def test_lattice_scenes(first, rotating):
     assert max(counts) > 0
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_lattice_scenes_exactly(rotating):
     for seed in range(5000, 5000 + amount(80, 4)):

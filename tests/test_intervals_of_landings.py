@@ -89,7 +89,7 @@ def check(found, gap_at):
         assert inside if deep < 0 else outside, (t, deep, ends)
 
 
-@pytest.mark.share(48)
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(48))
 def test_lattices(seed):
     a, b, gap_at = scene(seed)

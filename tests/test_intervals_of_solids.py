@@ -38,7 +38,7 @@ def hollow():
     return block.translated((-3, 3, 0)).moving(way), fc.sphere(1) - fc.sphere("3/2").translated(("-1/4", 1, 1))
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("scene", "end"), [(capped, 1.0), (through, None), (hollow, None)])
 def test_between_candidates_no_intersection_is_built(scene, end, monkeypatch):
     """The start is that of the first contact, the end that of doubles alone; solids are intersected once or twice."""

@@ -42,6 +42,7 @@ AROUND = {"box": fc.examples.box((20, 20, 20)), "angle": ANGLE, "ball": fc.spher
 """All hold the ball of radius 3 about the origin."""
 
 
+@pytest.mark.share(10)
 @pytest.mark.parametrize("around", AROUND)
 @pytest.mark.parametrize("inner", FAR)
 def test_a_body_jumps_into_another(inner, around):
@@ -65,6 +66,7 @@ ABOVE = {
 """Of height 1 above the sheet, or the top of the plate, in z = 0."""
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("depth", [F(1, 10**16), F(1, 10**6), F(1, 100)], ids=str)
 @pytest.mark.parametrize("name", ABOVE)
 def test_a_shallow_jump(name, depth):
@@ -101,6 +103,7 @@ TURNS = {
 TABLE = fc.box((60, 60, 5)).translated((0, 0, "-5/2"))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("turn", TURNS)
 @pytest.mark.parametrize("table", [TABLE, PLATE], ids=["table", "plate"])
 def test_a_turn_that_lands_before_a_jump_away(turn, table):

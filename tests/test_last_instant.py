@@ -60,6 +60,7 @@ def test_a_body_that_turns_beside_one_that_rises():
     assert hit.status is fc.Status.CONTACT and hit.time == 1.0 and hit.point[2] == pytest.approx(3)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("sign, status", [(1, fc.Status.CONTACT), (-1, fc.Status.FREE)])
 @pytest.mark.parametrize("digits", [20, 100])
 def test_what_lands_nearly(sign, status, digits):
@@ -88,7 +89,7 @@ LANDERS = {"mesh": TIP, "ball": fc.sphere(1), "box": fc.box((2, 1, 1)),
            "open mesh": fc.Polyhedron([(1, 0, 0), (-3, 1, 0), (-3, -1, 1)], [[0, 1, 2]])}  # fmt: skip
 
 
-@pytest.mark.share(5)
+@pytest.mark.share(10)
 @pytest.mark.parametrize("ending", ENDING)
 @pytest.mark.parametrize("lander", LANDERS)
 @pytest.mark.parametrize("other", HOLED)
@@ -126,6 +127,7 @@ ABOVE = {
 }  # fmt: skip
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", ABOVE)
 def test_a_screw_ends_in_contact_with_a_mesh(name):
     """In a pose without rational numbers it was left open; a nearby one tells, as what is round or clear stays so."""
@@ -188,6 +190,7 @@ DOWN = {
 """All of height 1 - t at the end, that of the table."""
 
 
+@pytest.mark.share(12)
 @pytest.mark.parametrize("way", DOWN)
 @pytest.mark.parametrize("name", STANDING)
 def test_a_landing_in_the_last_instant_is_not_free(name, way):

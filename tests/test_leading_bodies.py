@@ -8,6 +8,7 @@ import firstcontact as fc
 from firstcontact import Status, Translation
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("make", [fc.box, lambda size: fc.box(size) - fc.cylinder("1/4", 9), fc.examples.box])
 @pytest.mark.parametrize("shift", [(0, 0, 0), (1, 0, 0), (1, "1/2", 0)])
 def test_elements_are_the_same_the_other_way_round(make, shift):

@@ -70,7 +70,7 @@ def test_many_random_pairs(name):
     assert met > 0.02 * QUERIES * EDGES and unsure < 0.001 * QUERIES * EDGES
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(8)
 @pytest.mark.parametrize("name", MOTIONS)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_degenerate_pairs_exactly(family, name):

@@ -36,6 +36,7 @@ def test_a_contact_goes_on_through_the_cuts():
     assert (one.start, one.end) == (pytest.approx((3.5 - high) / 8), pytest.approx((4.5 - low) / 8))
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("budget", [50, 1000])
 @pytest.mark.parametrize("turns", [10**5, "1e30"])
 @pytest.mark.parametrize("kind", [fc.Rotation, fc.Screw])

@@ -58,7 +58,7 @@ def assert_near(found, known):
     assert ends.shape == np.shape(known) and np.abs(ends - known).max() <= 1e-11
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", CLIP_SCENES)
 def test_as_the_union_of_its_parts(name):
     body = CLIP_SCENES[name]
@@ -93,6 +93,7 @@ def test_a_surface_and_an_edge_by_hand():
     assert (y.start, y.end) == pytest.approx(((3 - half) / 8, (3 + half) / 8), abs=1e-12)
 
 
+@pytest.mark.thorough
 def test_what_only_grazes_is_exact():
     ball = BALL.translated((-5, 0, 2)).moving(fc.Translation((10, 0, 0)))  # its lowest point slides along both arms
     certified = fc.contact_intervals(ball, clip(), method="certified")
@@ -102,7 +103,7 @@ def test_what_only_grazes_is_exact():
         assert [(x.start, x.end) for x in found] == [(0.2, 0.3), (0.7, 0.8)]
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["small ball across", "pin falls in", "cone turns"])
 def test_exact_ends_are_those_of_its_parts(name):
     body = CLIP_SCENES[name]
@@ -117,6 +118,7 @@ def test_exact_ends_are_those_of_its_parts(name):
         assert x.start_exact in starts and x.end_exact in ends
 
 
+@pytest.mark.thorough
 def test_a_box_within_a_hollow_ball_is_free_between_two_exact_contacts():
     plate = fc.examples.box((2, 2, 2))
     block = fc.Polyhedron(plate.vertices, plate.triangles[:-1])  # without one triangle: a surface, no solid
@@ -157,6 +159,7 @@ def test_too_many_triangles_near():
     assert fc.contact_intervals(sheet, ball).status is fc.Status.CONTACT
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("other", [fc.Polyhedron([(0, 0, 0)], []), fc.examples.box((2, 2, 2)), BALL, clip()])
 def test_an_endless_solid_far_from_the_other_body(other):
     """Found by random scenes: the part of it near the other body is empty, and raised "solid is empty"."""
@@ -192,6 +195,7 @@ def test_what_is_not_told_of_a_triangle_is_not_taken_for_apart(monkeypatch):
         fc.contact_intervals(ball, clip(), exact=True)
 
 
+@pytest.mark.thorough
 def test_what_is_soon_told_exactly_is_asked_first():
     """Doubles took a third of a second for an edge that turns away from a cylinder on which it lay, and told none."""
     edge = fc.Polyhedron([(1, 0, -1), (1, 0, 1)], [], edges=[[0, 1]])

@@ -48,7 +48,7 @@ def scenes(count, seed):
         yield list(FLAT)[k % 3], r.choice(list(STANDING)), r.choice(DEPTHS), r.randint(0, 10**6)
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(8)
 @pytest.mark.parametrize("flat, name, g, seed", list(scenes(24, 3)))
 def test_depths_and_gaps_of_any_size(flat, name, g, seed):
     r = Random(seed)
@@ -63,7 +63,7 @@ def test_depths_and_gaps_of_any_size(flat, name, g, seed):
         judge(g, fc.first_contact(*scene, exact=True))
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("flat", FLAT)
 @pytest.mark.parametrize("name", HOLED)
 def test_solids_with_holes(flat, name):
@@ -75,6 +75,7 @@ def test_solids_with_holes(flat, name):
         judge(g, hit, ("overlapping", None))
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("flat", ["tip", "face"])
 @pytest.mark.parametrize("k", [8, 13, 16, 25])
 def test_starts_in_irrational_poses(flat, k):
@@ -241,6 +242,7 @@ def test_bare_points_too_small_for_doubles():
             assert fc.first_contact(a.moving(fc.Translation((0, 0, 10 * u))), b).initial == known
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("method", ["auto", "certified", "algebraic"])
 @pytest.mark.parametrize("away", [(0, 0, 0), (-3, -3, 3), (5, 0, -1)])
 def test_a_corner_on_a_disc_about_a_tip(away, method):

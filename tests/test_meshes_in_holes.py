@@ -111,7 +111,7 @@ def test_in_the_hole_from_the_start():
     assert hit.contact_set is None  # all along the wall
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize(
     ("body", "model", "kind"),
     [
@@ -166,6 +166,7 @@ def test_contact_ends_where_the_pin_has_left_the_wall():
     assert len(found.intervals) == 1 and found.intervals[0].start == pytest.approx(0.5, abs=1e-11)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("swap", [False, True], ids=["", "swapped"])
 def test_that_one_pair_meets_is_not_told_where_that_is_not_known(swap):
     """A corner lands on the rim of a bite: which of the events there is named depends on rounding."""

@@ -71,6 +71,7 @@ def assert_same(found, expected) -> None:
         np.testing.assert_allclose(found.normal, expected.normal, atol=1e-5)
 
 
+@pytest.mark.thorough
 def test_a_mesh_and_its_decomposition_agree_under_every_motion():
     rng = np.random.default_rng(27)
     seen = {status: 0 for status in fc.Status}
@@ -105,6 +106,7 @@ def test_triangles_and_features_of_a_convex_polyhedron_agree():
     assert contacts >= 3
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("place", "ball", "kind"),
     [

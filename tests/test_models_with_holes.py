@@ -124,7 +124,7 @@ def overlap_seen(a, motion, b, points, t):
     return b.contains(there).any() or a.contains((points[1] - m[:3, 3]) @ np.linalg.inv(m[:3, :3]).T).any()
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(8)
 @pytest.mark.parametrize(("make_a", "make_b", "motion"), SCREWS)
 def test_screws_agree_with_samples(make_a, make_b, motion):
     turned = make_a().rotated((1, 2, 3), degrees=40).translated((-3, 0.125, 0.25))
@@ -162,6 +162,7 @@ def test_an_opening_flush_with_a_face_is_no_face():
 # -- convex pieces that cover the models ---------------------------------------------------------------------
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("make", [ring, drilled_ball, countersunk, bracket])
 def test_covering_pieces_hold_the_whole_body(make):
     """The support of the pieces is never less than what points of the body reach."""
@@ -172,6 +173,7 @@ def test_covering_pieces_hold_the_whole_body(make):
         assert reach >= (points @ n).max() - 1e-9
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("make", "radius"), [(ring, 1 / 2), (drilled_ball, 1 / 3)])
 def test_a_needle_in_a_hole_that_is_covered(make, radius):
     """The covering pieces overlap from the start on."""
@@ -224,6 +226,7 @@ CHOSEN = [
 ]  # fmt: skip
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("vector", [v for v in RATIONAL if v.name in CHOSEN], ids=lambda v: v.name)
 def test_known_answers(vector):
     a, b = vector.bodies
@@ -237,6 +240,7 @@ def test_known_answers(vector):
 # -- models of forms over boxes ------------------------------------------------------------------------------
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("slab", [(0.25, 0.3125), (0.678, 0.679)])
 def test_models_hold_the_forms_they_stand_for(bodies, slab):
     """Values and derivatives of moving surfaces at random points of random boxes, against plain NumPy."""
@@ -298,6 +302,7 @@ def test_a_slab_that_takes_the_middle_out_of_a_bowl_leaves_a_small_tip():
         assert (x * x + y * y > z or z > F(313, 576) - F(1, 4)) == outside
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("deep", "upside_down"), [(0, False), (1, True), (-1, False), ("1/2", True)])
 def test_a_conical_hole_whose_absent_tip_is_level_with_a_face(deep, upside_down):
     """A frustum from radius 1 to 1/2 in a plate of height 2: its cone's tip lies 1 beyond the narrow end.

@@ -20,6 +20,7 @@ def motion_of(case: Vector):
     return naive.Turn(case.rotation["axis"], case.rotation["point"], **case.total_angle()), None
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("case", VECTORS, ids=lambda c: c.id)
 def test_known_answer(case):
     motion, until = motion_of(case)
@@ -74,6 +75,7 @@ def test_parity_counts_a_cavity_as_outside():
     assert len(shell.components) == 2
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
 def test_intervals_against_poses_at_random(rotating):
     """The reference's intervals say what a static test of the posed bodies says."""

@@ -49,7 +49,7 @@ PASSING = {
 }  # fmt: skip
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(9)
 @pytest.mark.parametrize("name", PASSING)
 def test_a_graze_a_miss_and_a_hit(name):
     touch, miss, hit = (fc.first_contact(*PASSING[name](gap)) for gap in (0, TINY, -TINY))
@@ -61,7 +61,7 @@ def test_a_graze_a_miss_and_a_hit(name):
     assert {hit.element_a.kind, touch.element_a.kind} == {"edge" if name == "cone's rim" else "face"}
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("gap", [F(1, 10**9), F(1, 10**12), F(1, 10**15), F(1, 10**40)])
 def test_times_against_the_distance_of_balls(gap):
     """4 is the square of the distance from (0, 5 - gap, 2) to (3 cos, 3 sin, 4 t) when they touch."""
@@ -161,6 +161,7 @@ def test_weights_that_may_be_negative_bound_nothing():
 HAIR = {"ball": fc.sphere(1), "egg": fc.ellipsoid((1, 2, 3)), "can": fc.cylinder(1, 1), "block": fc.box((2, 2, 2))}
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name, gap", list(zip(HAIR, [F(1, 10**15), F(1, 10**30)] * 2, strict=True)))
 def test_a_hair_apart_at_the_start(name, gap):
     """x = 2 + gap turns about (0, -5), clockwise away from x = 0: "free until 0" was all that was told, in two motions
@@ -178,6 +179,7 @@ def test_a_hair_apart_at_the_start(name, gap):
                 assert fc.contact_intervals(a, b).status is status
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("radians, end", [(-0.3, 0), (0.3, 1)])
 def test_a_hair_deep_at_the_start(radians, end):
     """Balls that overlap by 1e-15 and part, or go on: intervals were UNDECIDED, as those of balls a hair apart."""

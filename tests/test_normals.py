@@ -35,6 +35,7 @@ def test_a_ball_comes_round_to_the_other_side_of_a_sheet(exact, over, ball_moves
     assert hit.normal == pytest.approx(-n if swapped else n, abs=1e-9)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("size", [F(1), F(1, 1000), F(1, 2**30), F(2**20)], ids=str)
 @pytest.mark.parametrize("exact", [False, True])
 def test_a_point_on_the_tip_of_a_cone_has_no_normal(size, exact):

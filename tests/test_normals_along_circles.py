@@ -37,7 +37,7 @@ def test_a_ball_on_the_rim_of_a_hole(exact):
     check(fc.first_contact(ball, plate, exact=exact), (0, 0, 6.5), 4.25)
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(16)
 @pytest.mark.parametrize("exact", [False, True])
 @pytest.mark.parametrize("seed", range(8))
 def test_balls_in_holes_and_seats(seed, exact):
@@ -67,6 +67,7 @@ def test_balls_in_holes_and_seats(seed, exact):
                                         / float(radius), abs=1e-9)  # fmt: skip
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize(
     ("top", "bore", "depth", "pin", "aside"),
     [

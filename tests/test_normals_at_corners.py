@@ -39,6 +39,7 @@ def assert_parted(a, motion, b, hit):
     assert ((b.vertices - hit.point) @ hit.normal).max() < 1e-6
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("kind", MOTIONS)
 @pytest.mark.parametrize("block", range(amount(6)))
 def test_the_normal_parts_convex_bodies(kind, block):

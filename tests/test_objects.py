@@ -113,6 +113,7 @@ WAYS = {"pickle": lambda x: pickle.loads(pickle.dumps(x)), "json": through_json,
         "text": lambda x: type(x).from_json(x.to_json())}  # fmt: skip
 
 
+@pytest.mark.share(12)
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", [*bodies(), *motions()])
 def test_what_went_out_comes_back_equal(name, way):
@@ -123,6 +124,7 @@ def test_what_went_out_comes_back_equal(name, way):
     assert len(repr(x)) < 250
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", bodies())
 def test_bodies_that_come_back_are_where_they_were(name):
     """Looked at independently of equality: boxes, elements by name, exact vertices, points in and out."""
@@ -168,6 +170,7 @@ doubles = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e6, max_v
 number = st.one_of(exact, doubles, st.integers(-(2**70), 2**70))
 
 
+@pytest.mark.thorough
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.lists(st.tuples(number, number, number), min_size=3, max_size=6), st.tuples(number, number, number))
 def test_numbers_of_any_kind_come_back_exactly(vertices, vector):
@@ -451,6 +454,7 @@ def pixels(page: str) -> np.ndarray:
     return rows[:, 1:].reshape(height, width, 4)
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("name", ["contact", "free", "endless", "model", "intervals", "curve"])
 def test_cells_show_both_bodies_and_the_verdict(name):
     page = results()[name]._repr_html_()

@@ -29,6 +29,7 @@ def told(hit, swapped: bool = False):
     return hit.status, hit.time, hit.initial, hit.multiplicity, pairs
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_engines_and_orders(rotating):
     seen = Counter()
@@ -71,6 +72,7 @@ def test_diagonals_of_flat_faces_are_told_in_any_unit(k):
     assert told(same) == told(hit)
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_what_a_budget_proves_free_is_free(rotating):
     """No contact is before `free_until`, at whatever step the work ends."""

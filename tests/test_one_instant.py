@@ -34,6 +34,7 @@ TALL = fc.box((1, 1, 5)).translated((0, 0, "-1/2"))
 SPIN = fc.Rotation((0, 0, 1), (2, 1, 0), turns="1/2")
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("time", [0, F(1, 2), F(1, 3), 1])
 def test_one_instant_of_a_turn(time):
     """Its middle is at (0, 0), then after 60 degrees at (1.87, -1.23), 90 (3, -1), 180 (4, 2); it is a unit wide."""

@@ -31,7 +31,7 @@ MOTIONS = {
 }
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("far", [10, 10**6])
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("pair", PAIRS)

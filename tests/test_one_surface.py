@@ -50,6 +50,7 @@ SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.share(11)
 @pytest.mark.parametrize("swapped", [False, True], ids=["", "swapped"])
 @pytest.mark.parametrize("name", SCENES)
 def test_the_instant_is_told_by_all_ways(name, swapped):
@@ -64,6 +65,7 @@ def test_the_instant_is_told_by_all_ways(name, swapped):
         assert [(x.start, x.end) for x in window] == [(pytest.approx(float(when), abs=1e-15), 1.0)]
 
 
+@pytest.mark.share(8)
 @pytest.mark.parametrize("name", [name for name in SCENES if "end" not in name])
 def test_certified_ways_never_miss_it(name):
     a, b, when = SCENES[name]

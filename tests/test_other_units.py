@@ -59,6 +59,7 @@ SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("k", FACTORS)
 @pytest.mark.parametrize("name", SCENES)
 def test_answers_in_other_units(name, k):
@@ -77,6 +78,7 @@ def test_answers_in_other_units(name, k):
     assert there.a.body.bounds()[1] == pytest.approx(k * np.asarray(a.bounds()[1]), rel=1e-12, abs=1e-12 * k)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("k", [FACTORS[0], FACTORS[-1]])
 @pytest.mark.parametrize("name", ["torus and ball", "drilled box and cylinder", "saddle strip and ball"])
 def test_intervals_in_other_units(name, k):

@@ -31,7 +31,7 @@ def found_pairs(pairs: fc.ContactPairs) -> set[tuple]:
     return {(x.kind, x.index, y.kind, y.index) for x, y in rows}
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
 @pytest.mark.parametrize("first", [0, 100])
 def test_lattice_scenes(first, rotating):
@@ -49,6 +49,7 @@ def test_lattice_scenes(first, rotating):
     assert most > 20
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
 def test_reported_pairs_are_those_tested_one_by_one(rotating):
     """By the levels of the linearisation from the first pair on."""
@@ -65,7 +66,7 @@ def test_reported_pairs_are_those_tested_one_by_one(rotating):
     assert most > 15
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("turning", [False, True], ids=["translation", "rotation"])
 @pytest.mark.parametrize("closed", [False, True], ids=["edges", "solids"])
 def test_few_of_many_woven_pairs(closed, turning):

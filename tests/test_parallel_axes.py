@@ -38,6 +38,7 @@ def bodies(upper, lower, aside, height, way, turned):
     return a.moving(fc.Translation(shift)), b
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("turned", [False, True], ids=["", "turned"])
 @pytest.mark.parametrize("aside", ASIDE)
 @pytest.mark.parametrize("upper, lower", BOWLS)
@@ -53,6 +54,7 @@ def test_bowls_that_land(upper, lower, aside, turned):
     assert interval.start_exact == when and interval.end == 1
 
 
+@pytest.mark.share(9)
 @pytest.mark.parametrize("depth", [F(1, 4), F(1, 2**10), F(1, 2**50)], ids=["1/4", "2^-10", "2^-50"])
 @pytest.mark.parametrize("upper, lower", BOWLS)
 def test_bowls_that_part(upper, lower, depth):

@@ -13,7 +13,7 @@ from polylines import distance
 CONE = fc.RuledSurface("(0, 0, 0)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)", u=None, s=(0, 3))
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
 @pytest.mark.parametrize("bend", [F(1), F(1, 3), F(-5, 2)])
 @pytest.mark.parametrize("off", [F(0), F(1, 10**4), F(1, 10**7), F(-1, 10**8), F(1, 10**11)])

@@ -18,6 +18,7 @@ def seconds(ask):
     return clock.process_time() - begin, found
 
 
+@pytest.mark.thorough
 def test_what_elimination_foresees_to_be_too_large_is_refused_at_once():
     """Degree 7220: resultants that only tell whether brackets share borders took 8 s, twice."""
     strip = fc.RuledSurface(
@@ -48,6 +49,7 @@ def test_elimination_is_asked_before_doubles_go_far():
     assert [x.way for x in intervals.stats.ways] == ["in doubles, if free", "exactly"]
 
 
+@pytest.mark.thorough
 def test_two_cones_with_one_apex():
     """Their common rulings are common zeros of two quartics: whether u and v belong together took 17 s."""
     a, b = (fc.RuledSurface("(0,0,0)", CONE.format(*x), u=(-4, 4)) for x in ((1, 2, -3), (-2, 1, 4)))

@@ -128,7 +128,7 @@ def agrees(known: Scene, hit) -> None:
         assert known.gap(np.array([lo, hi]))[1] < off
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(10)
 @pytest.mark.parametrize("seed", HIDDEN)
 def test_events_that_rounding_errors_hide(seed):
     known = scene(seed)
@@ -141,6 +141,7 @@ def test_events_that_rounding_errors_hide(seed):
     assert before > 0 > after
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", ALONG_BORDERS)
 def test_lines_of_contact_that_end_at_borders(seed):
     known = scene(seed)
@@ -150,6 +151,7 @@ def test_lines_of_contact_that_end_at_borders(seed):
         agrees(known, hit)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", ABOUT_THE_HOLE)
 def test_pins_that_turn_about_the_hole(seed):
     known = scene(seed)
@@ -159,7 +161,7 @@ def test_pins_that_turn_about_the_hole(seed):
     assert fc.contact_intervals(pin, plate).status is fc.Status.FREE
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(8)
 @pytest.mark.parametrize("seed", CLOSE)
 def test_close_fits_at_the_start(seed):
     known = scene(seed)
@@ -170,7 +172,7 @@ def test_close_fits_at_the_start(seed):
     assert (known.gap(np.linspace(0, 1, 20_001)).min() < 0) == CLOSE[seed]
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(16)
 @pytest.mark.parametrize("seed", range(1000, 1030))
 def test_all_that_is_told_holds(seed):
     known = scene(seed)

@@ -37,6 +37,7 @@ SHIFTS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("motion", SHIFTS.values(), ids=SHIFTS)
 def test_a_ball_lands_on_a_ring_however_its_shift_is_told(motion):
     """All about one axis they touch along a circle: the centre is at 4 above the ring's, as 3, 4, 5."""
@@ -47,6 +48,7 @@ def test_a_ball_lands_on_a_ring_however_its_shift_is_told(motion):
     assert (len(found), found[0].start, found[0].end, found.b) == (1, 0.5, 1.0, ball)
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("motion", SHIFTS.values(), ids=SHIFTS)
 def test_a_block_that_slides_meets_what_is_new(motion):
     """Along a wall in which it touches at the start, down to a floor at a third."""

@@ -135,6 +135,7 @@ def test_solids_that_are_no_prisms_slide_on_each_other():
     assert meet(one.end - 1e-9) and not meet(one.end + 1e-9)
 
 
+@pytest.mark.thorough
 def test_a_corner_lies_on_an_edge_at_the_start_and_goes_inwards():
     """The end of that contact, which is a ball, was compared with itself: precision."""
     found = fc.contact_intervals(*SLIDING[::-1], span=(0, 0.1))

@@ -46,6 +46,7 @@ def mesh(rng):
     return fc.Polyhedron(ball.vertices * (rng.uniform(0.2, 1) / size), ball.triangles)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("make", [lambda rng: heap(rng, 4), wedge], ids=["boxes", "wedges"])
 def test_the_polyhedron_is_the_solid(make):
     """Its winding numbers at random points, by solid angles, are what the solid's own conditions say there."""
@@ -79,7 +80,7 @@ MOTIONS = {
 }
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", MOTIONS)
 def test_answers_are_those_by_triangles(kind):
     rng, seen, k = np.random.default_rng(61), [], 0
@@ -144,6 +145,7 @@ def deepest(box, triangles):
     return np.min(depths, axis=0).max()
 
 
+@pytest.mark.thorough
 def test_separating_axes_part_boxes_from_the_mesh_until_they_meet():
     """A truth that shares nothing with the library: boxes by their corners, triangles, and where a shift takes them."""
     rng, seen, taken = np.random.default_rng(2011), [], 0

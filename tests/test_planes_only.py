@@ -41,7 +41,7 @@ def random_motion(rng, kind: str, lattice: bool):
     return fc.Rotation(rng.normal(size=3), point=rng.uniform(-1, 1, 3), degrees=float(rng.uniform(-300, 300)))
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", MOTIONS)
 @pytest.mark.parametrize("lattice", [False, True])
 def test_planes_only_agree_with_polyhedra(kind, lattice):

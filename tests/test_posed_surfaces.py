@@ -108,6 +108,7 @@ def test_what_is_refused(surface, message):
         fc.first_contact(surface.moving(fc.Screw((1, 0, 0), degrees=90, advance=20)), WALL, method="certified")
 
 
+@pytest.mark.thorough
 def test_trimming_cuts_the_front_away():
     """The front ruling is u = 1; where only u <= 3/4 is left, x = -10 + 3/4 + 20 t comes to 0 at t = 37/80."""
     screw = fc.Screw((1, 0, 0), degrees=90, advance=20)
@@ -353,7 +354,7 @@ BOARDS = {
 }  # fmt: skip
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", BOARDS)
 def test_a_coin_on_a_board_under_a_screw(name):
     """Its face came to lie on the board's at once, which no search of events tells: 0.4999 was proved, slowly."""

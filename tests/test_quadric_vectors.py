@@ -32,6 +32,7 @@ def agrees(hit, vector, method="auto") -> None:
     assert hi - lo <= (1e-12 if method == "auto" else 1e-15)
 
 
+@pytest.mark.share(10)
 @EACH
 @METHODS
 def test_known_answers(vector, method):
@@ -99,6 +100,7 @@ def test_exact_times(name):
     assert float(hit.time_exact) == hit.time
 
 
+@pytest.mark.thorough
 def test_normals_point_from_b_to_a():
     """A step along the normal of about 1e-6 leads out of b, a step back leads out of a."""
     checked = 0

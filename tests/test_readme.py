@@ -93,6 +93,7 @@ def test_two_parts_on_a_hinge_jam_where_the_readme_says(tmp_path, monkeypatch, c
     assert page.stat().st_size > 100_000
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", COMMANDS)
 def test_examples_end_as_announced(name, capsys):
     command, code = COMMANDS[name]

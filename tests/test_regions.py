@@ -61,7 +61,7 @@ def looked_at_whole(body: CompositeQuadric) -> CompositeQuadric:
     return CompositeQuadric(body.surfaces, body.tree, body.parts, box=body._box, name=body.name)
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("kind", ["sunk", "drill", "bore", "slot"])
 def test_a_row_of_holes(kind):
     body = plate(kind, 1, 3)
@@ -82,7 +82,7 @@ def random_solid(rng: random.Random, depth: int) -> CompositeQuadric:
     return first | second if way == 0 else first & second if way == 1 else first - second
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("seed", range(amount(40, 4)))
 def test_random_solids(seed):
     """Reaches leave nothing out, whatever was cut from what."""
@@ -132,6 +132,7 @@ def test_regions_of_a_box():
     assert signs.count(0) == 5 and sorted(signs)[0] == -1
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("kind", ["sunk", "drill", "slot"])
 def test_where_the_boundary_passes_is_where_surfaces_are_looked_at(kind, monkeypatch):
     """Pairs that do not meet on the boundary are left out, and nothing else."""
@@ -151,7 +152,7 @@ def test_surfaces_that_make_no_difference_are_told():
     assert regions.deciding(Or(Leaf(0), Not(Leaf(0)))) == set() == regions.deciding(True)
 
 
-@pytest.mark.share(4)
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", ["sunk", "drill", "bore", "slot"])
 def test_a_hundred_holes(kind):
     """Built and asked within seconds, again within milliseconds."""
@@ -170,6 +171,7 @@ def test_a_hundred_holes(kind):
     assert clock.perf_counter() - begin < 5 * 0.3
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("moving", ["ball", "plate"])
 def test_a_part_of_a_model_answers_as_the_whole(monkeypatch, moving):
     body = plate("bore", 3, 4).named("plate")
@@ -185,6 +187,7 @@ def test_a_part_of_a_model_answers_as_the_whole(monkeypatch, moving):
     assert abs(part.time - whole.time) < 1e-11 and np.allclose(part.point, whole.point, atol=1e-9)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("kind", ["sunk", "bore"])
 def test_work_grows_as_the_number_of_holes(kind, monkeypatch):
     """Of the Boolean tree: four times as many holes take less than seven times the steps, not sixteen times."""

@@ -98,7 +98,7 @@ def scene(seed):
     return WING.translated(rng.integers(-4, 5, 3)), motions[seed % 3](), solid
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", [16, 14, 1, *range(20, 20 + amount(40, 40))])
 def test_large_surfaces_and_small_solids(seed):
     """Contact is decided to 1e-12; an independent truth: sampled points before and after."""

@@ -105,7 +105,7 @@ def test_refusals(body, message):
         fc.first_contact(body, SADDLE.moving(TURN))
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(8)
 @pytest.mark.parametrize("middle, span", [(-1, (-1, 1)), ("-19/20", (-1, 0)), (3, (1, 3)), ("5/2", (-1, "51/20"))])
 @pytest.mark.parametrize("both", [False, True])
 def test_times_outside_a_motion_s_own_span(both, middle, span):

@@ -59,6 +59,7 @@ def ends(vector: Vector) -> list[tuple[float, float]]:
 # -- known answers ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", sorted(MOVING))
 def test_first_contact_of_vectors(name: str) -> None:
     p, q, first, last = pieces(MOVING[name])
@@ -79,7 +80,7 @@ def test_first_contact_of_vectors(name: str) -> None:
         assert found.event.zero is not None and found.event.elements == ELEMENTS.get(name, found.event.elements)
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("name", sorted(MOVING))
 def test_times_of_contact_of_vectors(name: str) -> None:
     p, q, first, last = pieces(MOVING[name])
@@ -161,6 +162,7 @@ def ruled(piece: RuledPiece, u: fmpq, s: fmpq, t: fmpq) -> list[fmpq]:
     return [(1 - s) * a + s * b for a, b in zip(at(piece.first, u, t), at(piece.second, u, t), strict=True)]
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("seed", range(6))
 def test_models_enclose(seed: int) -> None:
     """P - Q and the determinants at exact points of random boxes lie in their models."""
@@ -332,6 +334,7 @@ STEEP = {
 }  # fmt: skip
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", STEEP)
 def test_steep_surfaces_are_followed_to_the_end_of_contact(name: str) -> None:
     """Rounding errors of doubles hide where contact ends: it is told with time running backwards, and in balls."""
@@ -400,6 +403,7 @@ def test_zeros_are_refined() -> None:
             assert time.contains(-arb(0.5).sqrt()) and time.rad() < arb(2) ** -bits
 
 
+@pytest.mark.thorough
 def test_balls_count_in_a_budget() -> None:
     """What doubles leave open of a graze took a second in balls, however small the budget."""
     p, q, first, last = pieces(MOVING["m03"])

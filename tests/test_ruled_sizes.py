@@ -47,7 +47,7 @@ def moving(name, how, k):
     return upper.transformed(grown).moving(motion(how, k)), lower.transformed(grown)
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("how", ["translation", "screw", "sequence"])
 @pytest.mark.parametrize("name", SCENES)
 def test_lengths_times_a_power_of_two(name, how):

@@ -20,6 +20,7 @@ def minimal(time):
     return time if isinstance(time, Fraction) else time.polynomial
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("surface", "solid", "ends"),
     [
@@ -60,6 +61,7 @@ def test_free_by_less_than_doubles_tell(place):
     assert len(fc.contact_intervals(moving, fc.half_space((0, 0, 1), 0), (0, 1), exact=True)) == 0
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("box", "way"), [(fc.box((1, 1, 1)), -1), (fc.box((1, 1, 1)), 1), (fc.examples.box((1, 1, 1)), 1)]
 )
@@ -71,6 +73,7 @@ def test_touching_at_the_start(box, way):
     assert (interval.start, interval.end) == ((0.0, 0.0) if way > 0 else (0.0, 1.0))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     ("surface", "solid", "times"),
     [
@@ -118,6 +121,7 @@ def scene(seed):
     return surface, shift, body, solid
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", range(amount(30, 10)))
 def test_random_scenes(seed):
     """All contacts of samples of the surface are in the intervals, and both ways agree where both answer."""
@@ -162,6 +166,7 @@ def test_long_coefficients_are_eliminated_only_where_doubles_do_not_answer():
     assert all(p.degree() > 0 for p in all_the_way.times)
 
 
+@pytest.mark.thorough
 def test_many_stretches_of_contact_throughout():
     """Found by the soak: an AssertionError where more stretches were found than are taken one by one."""
     first = fc.RationalCurve([[5.5, -2], [5.5, -5], [1.5, 1.5]], [2, -1])

@@ -138,6 +138,7 @@ def test_a_pipe_is_the_side_of_a_cylinder(motion, other):
         assert np.allclose(pipe.point, solid.point, atol=1e-9) and np.allclose(pipe.normal, solid.normal, atol=1e-7)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(amount(12)))
 def test_doubles_agree_with_exact_arithmetic(seed):
     rng = np.random.default_rng(seed)
@@ -159,6 +160,7 @@ def deepest(surface, motion, solid, t):
     return solid.contains(surface.points(u, s).reshape(-1, 3) @ pose[:3, :3].T + pose[:3, 3])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("motion", MOTIONS[-amount(3) :])
 def test_intervals_hold_all_sampled_contacts(motion):
     found = fc.contact_intervals(SADDLE.moving(motion), TUBE)
@@ -213,6 +215,7 @@ WING = fc.RuledSurface("(u, 0, -2*T**2)", "(u, 1 + T, u - T - 2*T**2)", name="wi
 TURNED = fc.Rotation((0, 0, 1), point=("1/3", 2, 0), degrees=200)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     "motion",
     [TURNED, fc.Sequence([TURNED, fc.Rotation((0, 0, 3), degrees=33)]), fc.Screw((0, 0, 1), degrees=90, advance=1)],
@@ -279,6 +282,7 @@ def test_whole_rulings(ends, solid, known):
     assert known is None or hit.time_interval[0] <= known * (1 + 1e-15) and known <= hit.time_interval[1] * (1 + 1e-15)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     "ends",
     [("(u, 0, 100/(1+{0}))", "(u, 0, 100/(1+{0}) - 1)"), ("(u, 0, 5)", "(u, 0, 4 + (49/50)/(1+{0}))")],

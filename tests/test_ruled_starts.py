@@ -21,6 +21,7 @@ from firstcontact.motion.moving import Moving
 INITIAL = fc.Status.INITIAL_CONTACT
 
 
+@pytest.mark.thorough
 def test_the_point_of_a_start_is_on_both_pieces():
     """It was 2.6e-5 off the second one, as far as the box that held it was wide."""
     along = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
@@ -40,6 +41,7 @@ def test_the_point_of_a_start_is_on_both_pieces():
     assert_on_both(hit, a, b)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("other, far", (
     (fc.sphere(2), 0), (fc.examples.box((2, 2, 2)), 2**40), (fc.RuledSurface("(0, u, -1)", "(0, u, 1)"), 0),
 ))  # fmt: skip
@@ -240,6 +242,7 @@ SIDE, NEXT = fc.RuledSurface("(u, 0, 0)", "(u, 1, 0)"), fc.RuledSurface("(u, 1, 
 TROUGH = fc.RuledSurface("(u, 1/4, (u - 1/2)**2)", "(u, 1, (u - 1/2)**2)")
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     "other", [NEXT, NEXT.translated((1, 0, 0)), TROUGH], ids=["along an edge", "in a corner", "tangent"]
 )

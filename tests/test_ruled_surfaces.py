@@ -207,6 +207,7 @@ def test_the_verbs_do_not_guess():
         fc.contact_pairs(cylinder(), cylinder())
 
 
+@pytest.mark.thorough
 def test_the_examples_of_the_documentation_hold():
     found = doctest.testfile(str(Path(__file__).parents[1] / "docs" / "ruled-surfaces.md"), module_relative=False)
     assert found.attempted >= 8 and found.failed == 0

@@ -23,6 +23,7 @@ LARGE = ("m13", "m14")
 """Elimination leads too far."""
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", [n for n in MOVING if n not in LARGE])
 def test_known_intervals(name):
     vector = MOVING[name]
@@ -140,7 +141,7 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("name", CASES)
 def test_degenerate_pairs(name):
     a, b, span, expected = CASES[name]
@@ -216,6 +217,7 @@ def test_the_condition_of_example_4():
     assert condition.holds("1/2", 0) and not condition.holds("1/2", 1)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("ends", "count", "number"), [((-1, 0), None, 1), ((-3, 1), (2, 2), 2), ((-3, 1), (1, 1), 1)])
 def test_conditions_agree_with_geometry(ends, count, number):
     """Random exact u and T: the ruling y = y0, z = z0 against the pipe (x + 1)^2 + y^2 = 1, 1/2 <= z <= 3/2."""

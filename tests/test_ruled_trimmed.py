@@ -123,7 +123,7 @@ def test_every_part_of_a_piece_has_a_place():
     assert len(inner_places(DISC)) >= 1  # the disc touches the borders of its square from inside
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(9)
 @pytest.mark.parametrize(
     "trim",
     [
@@ -159,6 +159,7 @@ CEILING = fc.RuledSurface("(u, -9, 3)", "(u, 9, 3)", u=(-9, 9), name="ceiling")
 BLOCK = fc.examples.box((9, 9, 2)).translated((0, 0, 4))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("method", ["auto", "certified"])
 def test_steep_inequalities_meet_convex_polyhedra_by_their_triangles(method):
     """The search against solids takes squares of s; it was the only one that was asked."""
@@ -168,6 +169,7 @@ def test_steep_inequalities_meet_convex_polyhedra_by_their_triangles(method):
         assert found.status is fc.Status.CONTACT and found.time_interval[0] <= 3 / 8 <= found.time_interval[1]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("target", [CEILING, BLOCK])
 def test_intervals_without_exact_equations_tell_the_first_start(target):
     """They were refused; what the first contact proves is told, with the end left open."""
@@ -189,6 +191,7 @@ HARD = (
 )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("verb", [fc.first_contact, fc.contact_intervals])
 def test_a_refusal_names_the_option_that_was_given(verb):
     for option, named in (({"exact": True}, "exact=True"), ({"method": "algebraic"}, "method='algebraic'")):
@@ -214,6 +217,7 @@ COIN = fc.RuledSurface("(u, 0, 0)", "(u, 1, 0)", u=(-1, 1), s=(-1, 1), trim=["u*
 BOARD = fc.RuledSurface("(u, -2, 0)", "(u, 2, 0)", u=(-2, 2))
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("at, way, time", [
     ((0, 0, 1), (0, 0, -2), Fraction(1, 2)),  # flat
     ((-4, 0, 0), (4, 0, 0), Fraction(1, 4)),  # in the plane, across the rulings and along them
@@ -241,6 +245,7 @@ def test_elements_of_a_board_that_is_ruled_the_other_way():
     assert (across.kind, across.index) == ("end_ruling", 0) and (along.kind, along.index) == ("directrix", 0)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("side", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
 def test_corners_of_a_board_that_is_ruled_the_other_way(side):
     """As the board itself has them, which a box meets at the same corner."""

@@ -53,6 +53,7 @@ def test_where_algebra_does_not_go_one_pair_is_named():
     assert hit.status is fc.Status.CONTACT and hit.multiplicity == 1
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("swap", [False, True], ids=["", "swapped"])
 def test_that_one_pair_meets_is_not_told_where_that_is_not_known(swap):
     """A vertex lands on a vertex under a screw: which of the events there is named depends on rounding."""

@@ -54,6 +54,7 @@ def test_a_rim_of_the_plate_is_touched_first(scene, who, circle, time):
     assert abs(x @ form @ x) < 1e-4 * np.abs(form).max() * (x @ x)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("who", "time"), [("pin", 0.67871408997), ("plunger", 0.78761542757)])
 def test_nothing_else_is_met_before(scene, who, time):
     plate, body = scene.bodies["plate"], scene.bodies[who]
@@ -73,6 +74,7 @@ def test_the_plunger_touches_the_rim_of_the_bore(scene):
     assert hit.time == pytest.approx(exact.time, abs=1e-15) and exact.time_interval[0] >= hit.free_until
 
 
+@pytest.mark.thorough
 def test_the_command_line_answers_and_draws_the_page(tmp_path, capfd):
     page = tmp_path / "page.html"
     assert run(["check", str(SCENE), "--html", str(page)]) == 1

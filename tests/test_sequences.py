@@ -68,6 +68,7 @@ def random_steps(rng):
     return steps
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("first", range(0, amount(300, 6), 100))
 def test_random_steps_with_exact_joints(first):
     seen = set()
@@ -270,7 +271,7 @@ BOTH_MOVE = {
 }
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("motions", BOTH_MOVE.values(), ids=BOTH_MOVE)
 def test_two_moving_bodies_whose_relative_motion_is_curved(motions):
     """Against samples at rest; one body is tilted, so that no two faces slide in one plane."""

@@ -152,6 +152,7 @@ def waves(rng):
     return surfaces
 
 
+@pytest.mark.thorough
 def test_exact_and_certified_pieces_join(monkeypatch):
     """Some pairs of pieces, at random, are taken from the exact path though nothing is open there."""
     rng, made, strands = np.random.default_rng(5), Settled.__init__, certified_curve._strands

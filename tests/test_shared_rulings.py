@@ -173,6 +173,7 @@ def test_dense_cones_with_one_apex_share_the_rulings_that_they_are_given(seed, m
         assert np.abs(np.cross(x, y)).max() <= 1e-9 * np.linalg.norm(x) * np.linalg.norm(y)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("seed", range(20))
 def test_rulings_through_one_apex_as_algebra_pairs_them(seed, monkeypatch):
     rng = random.Random(seed)

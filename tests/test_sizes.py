@@ -36,6 +36,7 @@ def in_units(scene: Scene, units) -> Scene:
     return replace(scene, a=a, b=b, translation=tuple(scaled(scene.translation)))
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_one_unit_of_length(rotating):
     seen = Counter()
@@ -65,6 +66,7 @@ def assert_same_first_contact_in(scene: Scene, k: int, engine: str) -> None:
     assert (hit.status.name, hit.time) == (status, None if status == naive.FREE else nearest), (k, engine, scene)
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_every_axis_in_its_own_unit(rotating):
     """Needles and flakes: sizes beside distances as unlike as doubles allow."""

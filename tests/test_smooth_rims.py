@@ -44,6 +44,7 @@ SCENES = {  # a body where it lies on another one, that one, and the set that th
 }
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("name", SCENES)
 def test_the_landing_is_told_by_all_ways(name):
     a, b, shared = SCENES[name]

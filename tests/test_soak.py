@@ -40,6 +40,7 @@ def family_kinds() -> list[Kind]:
 SHORT = [kind for kind in family_kinds() if THOROUGH or kind.name not in LONG]
 
 
+@pytest.mark.share(10)
 @pytest.mark.parametrize("kind", SHORT, ids=lambda kind: kind.name)
 def test_short_soak(kind: Kind) -> None:
     for index in range(SCENES):
@@ -86,6 +87,7 @@ def forgeries(hit: Any) -> dict[str, Any]:
 EXACT = [kind for kind in family_kinds() if kind.name.startswith(("meshes/translated", "meshes/turned"))]
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("kind", EXACT, ids=lambda kind: kind.name)
 def test_forged_answers_are_noticed(kind: Kind) -> None:
     noticed = set()

@@ -33,7 +33,7 @@ def tilted_can(s):  # the rim comes down first
     return can.translated((0, 0, 16 * s)), fc.box((40 * s, 40 * s, 2 * s)), F(51, 5) / 64, "point"
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(16)
 @pytest.mark.parametrize("scene", [pin_on_a_rim, can_on_a_box, box_on_a_can, tilted_can])
 @pytest.mark.parametrize("power", [-100, -40, -30, 28, 36, 60, 100])
 def test_scaled_scene(scene, power):

@@ -33,6 +33,7 @@ def eager(monkeypatch):
     monkeypatch.setattr(lifted_problem, "room_for", room)
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_small_scenes_by_space(turning, eager):
     scenes = small_scenes(80_000, amount(120), turning)

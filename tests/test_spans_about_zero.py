@@ -11,6 +11,7 @@ F = Fraction
 TURN = fc.Rotation((0, 0, 1), (1, -2, 0), degrees=270)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("depth", [F(1, 10), F(1, 10**9), F(1, 10**14), F(0)], ids=lambda x: f"{float(x):g}")
 def test_a_box_that_slides_over_a_drum(depth):
     """The same turn told from the pose before it is the truth: by spans that do not pass 0."""
@@ -25,6 +26,7 @@ def test_a_box_that_slides_over_a_drum(depth):
         ]
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("degrees", [(-90, 135), (-180, 360), (-135, 180), (-90, 90)])
 @pytest.mark.parametrize("depth", [F(1, 10**9), F(1, 10**12)], ids=lambda x: f"{float(x):g}")
 def test_drums_that_graze_at_zero_do_not_touch_at_the_start(degrees, depth):

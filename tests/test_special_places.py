@@ -111,6 +111,7 @@ def corner_scene(rng: np.random.Generator) -> Scene:
     return through(first, second, tuple(places), tuple(ranges))
 
 
+@pytest.mark.thorough
 def test_curves_at_corners():
     rng, seen = np.random.default_rng(1), [0, 0, 0]
     for _ in range(amount(200, 8)):
@@ -176,6 +177,7 @@ def apex_scene(rng: np.random.Generator) -> tuple[Scene, list[Fraction], Directr
     return Scene(first, ends, ((u, s), (Fraction(0), tau[0])), ranges), apex, ways, tau
 
 
+@pytest.mark.thorough
 def test_apexes_on_other_surfaces():
     """The curve passes through the apex along the rulings in the tangent plane of the other surface."""
     rng, seen = np.random.default_rng(2), {"off": 0, "alone": 0, "through": 0}
@@ -231,6 +233,7 @@ def twice_scene(rng: np.random.Generator) -> tuple[Scene, Scene]:
     return one, replace(one, places=((u[1], s[1]), (v, t)))
 
 
+@pytest.mark.thorough
 def test_points_that_a_piece_passes_twice():
     """Where a branch ends or passes by one of the two sheets, the other one's touch is no isolated point."""
     rng, seen = np.random.default_rng(3), {}

@@ -70,7 +70,7 @@ def scenes(count, seed):
         yield lower, upper, g, turn if any(turn) else (1, 2, 3), scale, motion
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(16)
 @pytest.mark.parametrize("scene", list(scenes(16, 1)), ids=str)
 def test_depths_and_gaps_of_any_size(scene):
     lower, upper, g, *rest = scene
@@ -134,7 +134,7 @@ def shrunk(body, centre, k):
     return body.transformed([*rows, [0, 0, 0, 1]])
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("name", HOLDING)
 def test_one_in_the_other(name):
     """Containment where the surfaces are apart; not for equal bodies, nor where they touch from inside."""
@@ -172,6 +172,7 @@ def quarter_turned(x, axis, point, advance):
 AXES = [(F(-2, 9), F(16, 9), F(8, 9)), (F(1), F(2), F(2)), (F(2, 7), F(-3, 7), F(6, 7)), (F(0), F(3), F(-4))]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed, kind", [(0, "solid"), (1, "mesh")])
 def test_a_corner_on_a_plane_a_quarter_turn_into_a_screw(seed, kind):
     """Poses of screws are rational there, though their doubles are rounded."""
@@ -269,7 +270,7 @@ ABOVE = {
 """Solids in z >= 0 that hold the origin: there all terms of a form vanish, its rounding error too."""
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(8)
 @pytest.mark.parametrize("name", ABOVE)
 def test_touching_at_the_origin_is_no_overlap(name):
     upside_down = [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]

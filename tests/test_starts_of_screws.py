@@ -25,6 +25,7 @@ def tip(x):
     return fc.Polyhedron([(F(x), 0, 1), (5, 1, 1), (5, -1, 1)], [[0, 1, 2]])
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize(("axis", "length"), AXES)
 @pytest.mark.parametrize(("x", "initial"), [("-2", "touching"), ("-17/8", "overlapping")])

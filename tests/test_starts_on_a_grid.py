@@ -85,7 +85,7 @@ def exact_doubles(name):
     return name != "odd doubles"
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("name", PLACES)
 @pytest.mark.parametrize("seed", range(6))
 def test_solids(name, seed):
@@ -128,6 +128,7 @@ def of_cubes(cubes):
     return faces
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("name", [name for name in PLACES if exact_doubles(name)])
 @pytest.mark.parametrize("seed", range(4))
 def test_edges_that_cross(name, seed):
@@ -174,6 +175,7 @@ def on_surface(pick, other):
     return bool(x & y) or bool(set(surface(pick)) & set(surface(other)))
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("name", PLACES)
 @pytest.mark.parametrize("seed", range(4))
 def test_surfaces_and_solids(name, seed):

@@ -56,7 +56,7 @@ def test_a_box_that_grows_runs_into_a_corner():
         assert only.start == pytest.approx((1 + s) / 2, abs=1e-15) and only.end == 1.0
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(8)
 @pytest.mark.parametrize("seed", [0, 1, 2, 5, 6, 7, 8, 9])
 def test_boxes_that_turn_and_stretch_against_their_outlines(seed):
     rng = random.Random(seed)
@@ -72,6 +72,7 @@ def test_boxes_that_turn_and_stretch_against_their_outlines(seed):
             assert any(x.start <= t <= x.end for x in told) == (known < 0), t
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("seed", range(7))
 def test_boxes_that_screw_past_each_other_against_their_outlines(seed):
     rng = random.Random(seed)

@@ -31,6 +31,7 @@ def test_no_condition_is_looked_at_for_a_sure_contact(way, monkeypatch):
     assert hit.status is fc.Status.CONTACT and (hit.multiplicity, hit.element_a.kind) == (1, "edge")
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("generic", [False, True], ids=["degenerate", "random"])
 @pytest.mark.parametrize("block", range(amount(2)))
 def test_sure_contacts_are_those_that_are_looked_for(block, generic, monkeypatch):

@@ -43,6 +43,7 @@ def stack(n: int, seed: int = 0, crossing: bool = False):
     return fc.Polyhedron(g.on_grid(points), []), fc.Polyhedron(facets, faces)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
 def test_small_scenes(rotating):
     scenes = small_scenes(71_000, amount(150), rotating)
@@ -103,7 +104,7 @@ def test_meshes_and_closed_solids():
     assert same_answer(fc.first_contact(*ask, engine="sweep"), fc.first_contact(*ask, engine="boxes"))
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("seed", range(4))
 def test_trees_keep_their_order_and_older_trees_stay(seed):
     """Cells put in and taken out at random, in facets one above the other, against a sorted list."""
@@ -199,6 +200,7 @@ def test_sheets_reach_over_their_facets():
     assert told > 500
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", range(3))
 def test_sheets_that_may_precede_do_so_wherever_they_share_a_point(seed):
     rng = np.random.default_rng(seed)

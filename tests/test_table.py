@@ -61,7 +61,7 @@ def test_the_picture_of_the_house_knows_all_rooms():
     assert rooms == set(drawn["SAYS"]) == {room for floor in drawn["FLOORS"].values() for room in floor}
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(16)
 @pytest.mark.parametrize(("kinds", "verb"), CASES)
 def test_what_is_proved_of_a_pair(kinds, verb):
     a, b = (BODIES[k] for k in kinds)
@@ -87,6 +87,7 @@ def test_what_is_proved_of_a_pair(kinds, verb):
     assert hit.stats.ways[-1].told == "CONTACT" and sum(x.seconds for x in hit.stats.ways) <= hit.stats.seconds + 1
 
 
+@pytest.mark.share(10)
 @pytest.mark.parametrize(
     "kinds", [k for k in PAIRS if PAIRS[k].proves[0] != CERTIFIED], ids=lambda kinds: "-".join(k.name for k in kinds)
 )

@@ -24,7 +24,7 @@ WAYS = {
 }
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("body", ROUND)
 def test_a_disc_slides_over_the_point_in_which_its_plane_touches(body, way):

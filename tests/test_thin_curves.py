@@ -47,6 +47,7 @@ def spans(branch) -> np.ndarray:
     return np.ptp(branch.points, axis=0)[:2]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("digits", [6, 8, 9, 11, 14])
 def test_small_loops_are_as_small_as_they_are(digits, method):
@@ -59,6 +60,7 @@ def test_small_loops_are_as_small_as_they_are(digits, method):
     assert spans(loop) == pytest.approx(2 * float(r), rel=1e-2, abs=2e-16)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("digits", [7, 10, 17])
 @pytest.mark.parametrize("axis", [0, 1], ids=["along y", "along x"])
@@ -83,6 +85,7 @@ def test_branches_side_by_side_stay_two(digits, method):
     assert all(spans(branch) == pytest.approx([4, 0], abs=1e-15) for branch in found.branches)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("digits", [8, 13])
 def test_small_loops_are_cut_by_borders(digits, method):
@@ -99,6 +102,7 @@ def test_small_loops_are_cut_by_borders(digits, method):
     assert abs(first.points[0, 1] - second.points[0, 1]) == pytest.approx(3**0.5 * float(r), rel=1e-6, abs=2e-16)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("sign", [1, -1])
 def test_necks_open_one_way_or_the_other(sign, method):

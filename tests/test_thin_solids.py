@@ -32,7 +32,7 @@ def thin(thickness):
     }
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(16)
 @pytest.mark.parametrize("name", thin(Fraction(1, 100)))
 @pytest.mark.parametrize("thickness", [Fraction(1, 100), Fraction(1, 10**6), Fraction(1, 10**9)], ids=str)
 def test_a_ball_meets_thin_solids_from_above_and_below(name, thickness):
@@ -66,6 +66,7 @@ WAIST = (
 ORDERS = {"ball first": (BALL - CUT) & WAIST, "waist first": WAIST & (BALL - CUT), "cut last": (BALL & WAIST) - CUT}
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("order", ORDERS)
 def test_a_redundant_quadric_passes_through_the_end_of_an_edge_of_degree_4(order):
     solid = ORDERS[order]
@@ -74,6 +75,7 @@ def test_a_redundant_quadric_passes_through_the_end_of_an_edge_of_degree_4(order
     assert np.allclose(ends, [(-1, 1, -0.5), (-0.5, 1, -1)])
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("start, way, time", [
     ((-0.75, 3, -0.75), (0, -4, 0), 1.9 / 4),  # onto the flat face, y = 1
     ((-1, 3, -0.5), (0, -4, 0), 1.9 / 4),  # onto the vertex
@@ -97,6 +99,7 @@ SHAPES = {
 }
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_nothing_is_warned_of_far_away(shape):
     """Where doubles are 2 apart, meshes are those of the origin; contacts too."""

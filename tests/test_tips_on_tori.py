@@ -35,8 +35,8 @@ def check(cone, torus, motion, counter, truth, room=0.0):
 # -- scenes -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("radius, height", [(1.5, 2), (1, 2), ("1/100000", 2), (0.5, 2)])
-@pytest.mark.share(2)
 def test_a_tip_head_on_at_the_top(radius, height):
     """UNDECIDED in both orders for (1.5, 2): next to its tip doubles tell nothing of a cone."""
     cone = fc.cone(radius, height).rotated((1, 0, 0), degrees=180).translated((2, 0, 2 + height))
@@ -44,14 +44,15 @@ def test_a_tip_head_on_at_the_top(radius, height):
     assert len(list(check(cone, fc.torus(2, 0.25), down, up, F(1, 8)))) == 4
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("minor, speed", [(0.5, 6.5), (0.75, 13)])
-@pytest.mark.share(2)
 def test_a_tip_off_the_axis_in_all_orders(minor, speed):
     cone = fc.cone(0.5, 2).rotated((1, 0, 0), degrees=180).translated((3, 0, 4))
     down, up = fc.Translation((0, 0, -speed)), fc.Translation((0, 0, speed))
     assert len(list(check(cone, fc.torus(3, minor), down, up, (2 - F(minor)) / F(speed)))) == 4
 
 
+@pytest.mark.thorough
 def test_a_flank_next_to_its_tip():
     """A needle goes down along the outer equator: its flank of slope 1/8 touches before its tip could."""
     needle = fc.cone(0.25, 2).rotated((1, 0, 0), degrees=180).translated((4.5, 0, 5))
@@ -96,7 +97,7 @@ TURN = [fc.Rotation((0, 0, 1), (2, 3, 0), degrees=degrees) for degrees in (-120,
 
 @pytest.mark.parametrize("order", range(4))
 @pytest.mark.parametrize("kind", SHARP)
-@pytest.mark.share(4)
+@pytest.mark.share(12)
 def test_a_point_grazes_the_top(kind, order):
     """Contact at 3/4 alone: doubles are not asked how near it is, the path's quartic has a double root there."""
     body = SHARP[kind].translated((-1, 0, "1/4"))
@@ -107,6 +108,7 @@ def test_a_point_grazes_the_top(kind, order):
     assert [(x.start, x.end) for x in found] == [(0.75, 0.75)] and found.status is fc.Status.CONTACT
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", ["needle", "mesh"])
 def test_a_turn_that_grazes(kind):
     """The point goes along a circle about (2, 3) and passes the top circle at (2, 0) only, after a quarter turn."""
@@ -118,7 +120,7 @@ def test_a_turn_that_grazes(kind):
 
 @pytest.mark.parametrize("by", [F(1, 10**13), F(-1, 10**13)])
 @pytest.mark.parametrize("kind", ["needle", "point"])
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 def test_points_that_all_but_graze(kind, by):
     """Above the top by that much: free; below: from 3/4 - x/4 to 3/4 + x/4 for x^2 + (1/4 + by)^2 = 1/16."""
     found = fc.contact_intervals(RING, SHARP[kind].translated((-1, 0, F(1, 4) + by)).moving(ALONG))
@@ -129,8 +131,8 @@ def test_points_that_all_but_graze(kind, by):
         assert [(t.start, t.end) for t in found] == [pytest.approx((0.75 - x, 0.75 + x), abs=1e-12)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", ["needle", "corner", "mesh", "point"])
-@pytest.mark.share(2)
 def test_points_touch_at_the_start_and_in_the_last_instant(kind):
     """On the outside of the tube at (3/5, 4/5) of its circle, where no coordinate is a double."""
     place = [F(11, 5) - F(1, 20), 0, F(1, 5)]
@@ -270,10 +272,10 @@ class Scene:
         return hi if clear else None
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("kind", MOTIONS)
 @pytest.mark.parametrize("place", PLACES)
-@pytest.mark.share(24)
 def test_tips_in_all_orders(place, kind, seed):
     """The same time whoever moves and whichever comes first; backwards in time contact ends when it began."""
     scene = Scene(seed, place, kind)

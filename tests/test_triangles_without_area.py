@@ -38,6 +38,7 @@ FLAT = {
 }  # fmt: skip
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("kind", FLAT)
 def test_in_a_hole(kind, way):
@@ -79,6 +80,7 @@ def test_across_a_ball(kind):
     assert [(x.start_exact, x.end_exact) for x in found.intervals] == [(F(3, 8), F(5, 8))]
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize("kind", FLAT)
 def test_that_starts_in_the_solid(kind):
     corners, triangles = FLAT[kind]
@@ -87,6 +89,7 @@ def test_that_starts_in_the_solid(kind):
     assert hit.status is fc.Status.INITIAL_CONTACT and hit.initial in ("overlapping", "containment")
 
 
+@pytest.mark.share(3)
 @pytest.mark.filterwarnings("ignore:polyhedron. every face")
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("solid", [BALL, SHELL])

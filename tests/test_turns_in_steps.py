@@ -25,6 +25,7 @@ def turn(turns):
     return Rotation(AXIS, turns=turns)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("top", [1.5, 2.0])
 @pytest.mark.parametrize("parts", [*itertools.permutations(["1/8", "1/12", "1/3"]), ("1/8", "3/8"), ("1/7", "5/7")])
 def test_steps_about_one_axis_are_exact(top, parts):
@@ -65,6 +66,7 @@ STEPS = {
 }
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("axis", [(0, 1, 0), (0, -3, 0)])
 @pytest.mark.parametrize(("unit", "angles"), [(unit, angles) for unit, steps in STEPS.items() for angles in steps])
 def test_the_last_turn_goes_on_from_those_before_it(axis, unit, angles):

@@ -22,7 +22,7 @@ SPANS = [(-1, 0), (-7, -6), (F(-1, 2), 0), (-5, 0), (F(-23, 4), 0), (F(45, 4), 1
 ASKED = [(SPANS[0], engine) for engine in ENGINES] + list(zip(SPANS[1:], ENGINES, strict=True))
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("span, engine", ASKED)
 def test_a_lid_that_closes_with_the_last_instant(span, engine):
     """By 60 degrees a unit of time; in the last of them it comes down from above."""
@@ -56,6 +56,7 @@ def wedges(rng):
     return body(1), body(-1)
 
 
+@pytest.mark.thorough
 def test_spans_about_the_pose_in_which_bodies_touch():
     """What touches before the first turn does so n turns later, where spans end and where they begin; first contact,
     intervals and pairs tell the same."""

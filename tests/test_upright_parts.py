@@ -68,7 +68,7 @@ def test_an_edge_leaves_exactly_at_an_edge(as_mesh):
         assert found[-1].end == pytest.approx(np.degrees(np.arctan2(3, 4)) / 90, abs=1e-14)
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("as_mesh", [True, False])
 @pytest.mark.parametrize("seed", range(2))
 def test_lattices(seed, as_mesh):

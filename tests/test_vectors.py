@@ -45,6 +45,7 @@ def expected_time(case: Vector) -> float:
     return naive.nearest_double(parameter)
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize(
     ("exact", "engine"), [(True, "boxes"), *((False, engine) for engine in ENGINES)], ids=["exact", *ENGINES]
 )

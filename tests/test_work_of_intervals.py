@@ -46,7 +46,7 @@ SCENES = {
 }  # fmt: skip
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(8)
 @pytest.mark.parametrize("scene", SCENES)
 def test_all_times_of_contact_are_told(scene):
     a, b, expected = SCENES[scene]
@@ -72,6 +72,7 @@ def test_few_questions_are_asked_of_what_slides_in_one_another(monkeypatch):
     assert len(asked) < 10  # 89 before
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("scene, way", [
     ("a drilled plate that turns up and comes back to stay", "soon exactly"),  # doubles cannot tell that it lands
     ("an ellipsoid with edges of degree 4, inside", "in doubles"),  # systems of equations take fifty times longer

@@ -31,6 +31,7 @@ def test_example_8_has_the_features_of_the_paper():
     assert not a.body.seams and not b.body.seams
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("method", ["auto", "algebraic"])
 def test_example_8_touches_where_the_paper_says(method):
     hit = fc.first_contact(*example_8(), method=method)

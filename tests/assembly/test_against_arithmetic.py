@@ -3,6 +3,7 @@
 import itertools
 
 import numpy as np
+import pytest
 
 import firstcontact as fc
 from firstcontact import Status
@@ -75,6 +76,7 @@ def depth(p, q, turned):
     return min(min(x.max(), y.max()) - max(x.min(), y.min()) for x, y in heights)
 
 
+@pytest.mark.thorough
 def test_turning_boxes():
     """A box turns about an axis through corners of either, so that hinges, seats and pivots are common."""
     rng = np.random.default_rng(0)

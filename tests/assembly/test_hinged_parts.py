@@ -32,6 +32,7 @@ FRAME = shapes.box((2, 2, 2), (0, 0, -2))
 LID = shapes.box((0.5, 2, 2), (-0.5, 0, 0))
 
 
+@pytest.mark.thorough
 def test_a_box_shuts_on_the_box_that_it_is_hinged_to():
     hit = turned(LID, FRAME, 120)
     assert hit.status is fc.Status.CONTACT and hit.allowed == "touching at the start"
@@ -48,7 +49,7 @@ WEDGES = [  # in x and z: the sides of the lid and of the frame, from z to x
 ]
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("sides", WEDGES)
 def test_wedges_meet_when_their_sides_do(sides):
     """Of wedges with one edge in common, by the angles of their sides."""
@@ -59,6 +60,7 @@ def test_wedges_meet_when_their_sides_do(sides):
     assert hit.time * 200 == pytest.approx(start - end, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_parts_of_two_solids_are_looked_at_piece_by_piece(tmp_path):
     """A lid with a handle that is a solid of its own, which meets a post on the frame before the lid shuts."""
     both = shapes.write(tmp_path / "lid.stp", LID, shapes.box((0.2, 0.2, 0.2), (0, 0.9, 1.5)))
@@ -98,7 +100,7 @@ CURVED = [  # the pin; how far the post is from the hinge; the angle between it 
 ]
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("pin", "far", "between"), CURVED, ids=["side", "end"])
 def test_an_arm_with_a_round_end_turns_about_its_pin_onto_a_post(pin, far, between):
     """By the sides of the triangle of hinge, end and post; a pin that fits touches all the way, and is let pass."""

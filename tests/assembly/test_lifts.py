@@ -37,13 +37,14 @@ TURNS = {
 """Of lids, that all turn up."""
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("lid", LIDS)
 @pytest.mark.parametrize("floor", FLOORS)
 def test_a_lid_is_lifted(lid, floor):
     assert asked_both_ways(LIDS[lid].moving(TURNS[lid]), FLOORS[floor]).status is Status.FREE
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("lid", LIDS)
 def test_a_floor_that_turns_up_meets_the_lid_at_once(lid):
     hit = fc.first_new_contact(FLOORS["box"].moving(TURNS["box"]), LIDS[lid])
@@ -51,7 +52,7 @@ def test_a_floor_that_turns_up_meets_the_lid_at_once(lid):
     assert fc.first_new_contact(FLOORS["box"].moving(TURNS["disc"]), LIDS[lid]).status is not Status.FREE
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("lid", LIDS)
 @pytest.mark.parametrize("floor", FLOORS)
 def test_a_lid_comes_down_on_the_other_side(lid, floor):
@@ -61,7 +62,7 @@ def test_a_lid_comes_down_on_the_other_side(lid, floor):
     assert hit.time == pytest.approx((math.pi - math.atan2(1, 2)) / math.radians(170), abs=1e-12)
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("lid", LIDS)
 @pytest.mark.parametrize("floor", FLOORS)
 def test_a_lid_about_a_line_below_comes_back(lid, floor):
@@ -71,6 +72,7 @@ def test_a_lid_about_a_line_below_comes_back(lid, floor):
     assert hit.time_interval[0] <= 0.75 <= hit.time_interval[1]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("tall", [fc.cylinder(1, 4), fc.box((2, 2, 4)), fc.examples.box((2, 2, 4))])
 def test_what_is_taller_than_its_hinge_is_far_falls_on_its_side(tall):
     """Its upper near corner, (2, 4) from the hinge, is down after more than a quarter turn."""
@@ -80,6 +82,7 @@ def test_what_is_taller_than_its_hinge_is_far_falls_on_its_side(tall):
     assert hit.time == pytest.approx((math.pi - math.atan2(4, 2)) / math.radians(140), abs=1e-9)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("lid", LIDS)
 @pytest.mark.parametrize("degrees", [200, 330])
 def test_a_lid_that_goes_most_of_a_round(lid, degrees):
@@ -88,6 +91,7 @@ def test_a_lid_that_goes_most_of_a_round(lid, degrees):
     assert hit.status is Status.CONTACT and hit.time == pytest.approx(180 / degrees, abs=1e-9)
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("lid", LIDS)
 @pytest.mark.parametrize("hinge", [(-3, 1), ("1/2", 1), ("1/2", -1), (0, -1)])
 def test_a_lid_that_is_pressed_in_meets_at_once(lid, hinge):
@@ -96,6 +100,7 @@ def test_a_lid_that_is_pressed_in_meets_at_once(lid, hinge):
     assert hit.status is Status.CONTACT and hit.time == 0
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("degrees", "back"), [(53, 60), (30, 40)])
 def test_a_lid_is_lifted_and_laid_down_beside(degrees, back):
     """Before the end of its way back, which is longer."""
@@ -104,6 +109,7 @@ def test_a_lid_is_lifted_and_laid_down_beside(degrees, back):
     assert hit.status is Status.CONTACT and hit.time == pytest.approx((2 + degrees / back) / 3, abs=1e-9)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("solid", [False, True])
 def test_a_bar_that_is_lifted_about_a_tilted_line_comes_down_at_its_end(solid):
     """Against the heights of its corners by Rodrigues' formula."""
@@ -125,6 +131,7 @@ def test_a_bar_that_is_lifted_about_a_tilted_line_comes_down_at_its_end(solid):
     assert hit.status is Status.UNDECIDED or first - 1e-4 <= hit.time <= first
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("lid", LIDS)
 def test_a_floor_that_rises_sooner_than_the_lid_presses_it(lid):
     rising = FLOORS["box"].moving(Translation((0, 0, 5)))
@@ -148,6 +155,7 @@ def test_a_cap_is_less_than_its_ball():
     assert hit.status is not Status.FREE and hit.free_until == 0
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("turn", [
     Rotation((0, 1, 0), (0, 0, 5), degrees=60), Rotation((0, -1, 0), (-3, 0, 0), degrees=60),
     Screw((0, -1, 0), (-3, 0, 0), degrees=60, advance=1), Screw((0, 1, 0), (0, 0, 5), degrees=60, advance=1),
@@ -200,6 +208,7 @@ def when_down(outline, hinge, angle):
     return first
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("solid", [False, True])
 def test_random_lids(solid):
     rng = random.Random(20260 + solid)

@@ -73,6 +73,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("case", CASES)
 def test_meshes(case):
     a, b, time = CASES[case]
@@ -123,6 +124,7 @@ SOLIDS = {
 }  # fmt: skip
 
 
+@pytest.mark.share(13)
 @pytest.mark.parametrize("case", SOLIDS)
 def test_solids(case):
     body, motion, other, time = SOLIDS[case]
@@ -142,6 +144,7 @@ def test_what_no_proof_tells_is_undecided():
     assert hit.status is Status.UNDECIDED and hit.reason == "contact" and hit.free_until == 0.0
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("solid", (False, True))
 @pytest.mark.parametrize("degrees, time", ((80, None), (180, 0.5)))
 def test_blocks_that_share_their_hinge_alone(degrees, time, solid):
@@ -216,6 +219,7 @@ def _strikes(pieces_a, pieces_b, vector, time):
     return False
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", range(3))
 def test_boxes_never_overlap_before_a_new_contact(seed):
     """Boxes of whole numbers, so that many touch; as solids, and one by one as meshes."""
@@ -253,6 +257,7 @@ def _joined(*boxes, solid, name=None):
     return fc.Polyhedron(np.concatenate([part.vertices for part in parts]), sum(faces, []), name=name)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("solid", [False, True])
 def test_sliding_on_to_the_next_board_in_one_plane_is_no_new_contact(solid):
     """In the plane x = 0 all that either body holds is on its own side at all times."""
@@ -284,6 +289,7 @@ def _of_cells(*boxes):
     return fc.Polyhedron(list(corners), faces)
 
 
+@pytest.mark.thorough
 def test_what_may_overlap_at_the_start_is_open_where_only_a_touch_is_allowed():
     """A can on a mesh that reaches beyond the plane in which they touch, far away: nothing tells how they lie."""
     ground = _of_cells(([0, 0, 0], [3, 1, 2]), ([2, 4, 0], [6, 8, 1]))

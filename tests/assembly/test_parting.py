@@ -60,6 +60,7 @@ def test_a_block_screws_up_to_the_roof_of_its_channel():
         assert hit.status is Status.CONTACT and hit.time_interval[0] <= 0.5 <= hit.time_interval[1]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("solid", [False, True])
 def test_a_block_that_is_pressed_in_meets_at_once(solid):
     moving = cube(solid).moving(Translation((1, 0, -1)))
@@ -94,6 +95,7 @@ def test_what_stands_on_a_tip_or_a_keel_slides(body):
     assert stop.status is Status.CONTACT and stop.time == 0.5
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("common", [(0, 1, 0), (0, 0, 1), (3, -2, -5)])
 @pytest.mark.parametrize("solid", [False, True])
 def test_a_shift_of_both_changes_nothing(common, solid):
@@ -109,6 +111,7 @@ def test_a_shift_of_both_changes_nothing(common, solid):
         assert hit.status is Status.CONTACT and hit.time == 0.4375
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("solid", [False, True])
 @pytest.mark.parametrize("both", ["1/4", "-1/7"])
 def test_a_hinge_both_leaves_of_which_turn(solid, both):
@@ -121,6 +124,7 @@ def test_a_hinge_both_leaves_of_which_turn(solid, both):
     assert hit.status is Status.CONTACT and hit.time_interval[0] <= 0.75 <= hit.time_interval[1]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("part", ["ball", "cone", "drilled"])
 def test_a_solid_screws_off_a_mesh(part):
     """About an axis that is none of its own; the mesh is a channel, not convex: 7/2 are free above the floor."""
@@ -151,6 +155,7 @@ def test_a_solid_that_slides_on_a_mesh_meets_its_wall():
     assert fc.first_new_contact(ball.moving(Translation((3, 1, 0))), STEP).status is Status.FREE
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("motion", [Translation((0, 0, 4)), Rotation((0, 0, 1), turns="1/3")])
 def test_a_square_pin_in_a_round_bore(motion):
     """It touches the bore along its edges, as a mesh and as a solid."""
@@ -167,6 +172,7 @@ def test_a_square_pin_in_a_round_bore(motion):
     assert lifted.status is Status.CONTACT and lifted.time_interval[0] <= 0.25 <= lifted.time_interval[1]
 
 
+@pytest.mark.thorough
 def test_a_hinge_of_solids_with_a_round_bump_elsewhere():
     frame, lid = fc.box((3, 2, 2)).translated(("3/2", 0, -1)), fc.box((1, 2, 2)).translated(("-1/2", 0, 1))
     bump = fc.sphere("1/4").translated(("1/2", 0, 0))
@@ -200,6 +206,7 @@ def test_the_work_told_is_that_of_all_that_was_asked(monkeypatch):
     assert len(done) > 3 and told == tuple(map(sum, zip(*work, strict=True)))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("durations", [None, ["3/10", "7/10", 5]])
 def test_steps_that_meet_at_no_double(durations):
     """A ball turns in its socket, is lifted out, and goes on, or comes down again on the middle of the socket."""
@@ -237,6 +244,7 @@ def test_bodies_on_both_sides_of_one_plane():
     assert hit.status is Status.CONTACT and hit.time == 0.0  # the lip holds it down
 
 
+@pytest.mark.thorough
 def test_a_bar_across_a_pin_has_its_corners_outside_the_pin_s_cylinder():
     """The foot of a bracket is beside the pin, which it touches along a line, and its bar comes down on the pin's end.
 

@@ -97,6 +97,7 @@ def test_polygons_that_are_taken_in_keep_their_names():
     assert edges.count("edge") == 12 and edges.count("face") == 6
 
 
+@pytest.mark.thorough
 def test_exact_parts_that_roundings_put_into_each_other_are_let_pass_by_their_triangles():
     """A pin in its bore, tilted: one by OpenCASCADE, the other by the doubles of the same turn."""
     axis, at = (1, 2, 3), (1, 2, 3)
@@ -115,6 +116,7 @@ def test_exact_parts_that_roundings_put_into_each_other_are_let_pass_by_their_tr
     assert hit.status is fc.Status.CONTACT and 0 < hit.time <= hit.model_deviation
 
 
+@pytest.mark.thorough
 def test_a_pin_that_sits_in_its_bore_up_to_its_round_is_told_by_triangles():
     """Pieces of tori that touch along a circle at the start end UNDECIDED."""
     round_ = shapes.filleted(shapes.cylinder(3, 5), 1, shapes.circle_at((3, 0, 5)))

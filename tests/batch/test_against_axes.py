@@ -75,6 +75,7 @@ def is_right(table, row, due):
     assert table.free_until[row] <= due[0], row
 
 
+@pytest.mark.share(8)
 @pytest.mark.parametrize("seed", range(24))
 def test_translations_of_a_pair(seed):
     """Of small whole numbers, which land on edges and corners together, and of doubles."""
@@ -146,7 +147,7 @@ def gap(p, q):
     return best
 
 
-@pytest.mark.share(3)
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(6))
 def test_rotations_about_one_axis(seed):
     rng = Random(seed)

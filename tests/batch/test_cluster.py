@@ -44,6 +44,7 @@ def within(seconds, ask):
     return given[0]
 
 
+@pytest.mark.thorough
 def test_bodies_that_are_lost_are_brought_again(client, expected, monkeypatch):
     monkeypatch.setattr(workers, "LARGEST_PART", 8)
     cluster = Cluster(client, asked(QUERIES).bodies)
@@ -57,6 +58,7 @@ def test_bodies_that_are_lost_are_brought_again(client, expected, monkeypatch):
     assert rows_of(table) == expected and cluster.there is not first
 
 
+@pytest.mark.thorough
 def test_the_command_takes_a_cluster(client, expected, scene, tmp_path, capfd, monkeypatch):
     path, out = tmp_path / "queries.jsonl", tmp_path / "answers.jsonl"
     bodies = scene("""
@@ -79,6 +81,7 @@ at = [4, 0, 0]
     assert "--scheduler tcp://127.0.0.1:9: no answer within 1 s" in capfd.readouterr().err
 
 
+@pytest.mark.thorough
 def test_a_worker_that_is_killed_is_no_loss(client, expected, monkeypatch):
     """Every row is there, none twice."""
     monkeypatch.setattr(workers, "LARGEST_PART", 8)

@@ -60,13 +60,14 @@ def test_any_number_of_threads_gives_the_answers_one_by_one(monkeypatch):
         assert rows_of(fc.first_contacts(queries, workers=n)) == expected
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("arguments", [{"exact": True}, {"budget": 5}, {"tolerance": 1e-3}, {"engine": "sweep"}])
 def test_arguments_are_those_of_first_contact(arguments):
     queries = many(12)
     assert rows_of(fc.first_contacts(queries, workers=1, **arguments)) == one_by_one(queries, **arguments)
 
 
+@pytest.mark.thorough
 def test_a_worker_that_is_killed_is_no_loss(at_once, monkeypatch):
     """Every row is there, none twice, and the processes are gone in the end."""
     monkeypatch.setattr(workers, "FIRST_PART", 2)
@@ -158,6 +159,7 @@ def test_a_question_that_ends_its_worker_every_time_is_an_error_in_its_row(monke
     assert rows_of(fc.first_contacts(queries, executor=deadly)) == expected
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("pool", [ThreadPoolExecutor, ProcessPoolExecutor])
 def test_executors_of_others(pool):
     queries = many(12)
@@ -179,6 +181,7 @@ print(*hits.status)
 """
 
 
+@pytest.mark.thorough
 def test_a_script_needs_no_main(tmp_path):
     path = tmp_path / "script.py"
     path.write_text(SCRIPT)
@@ -204,6 +207,7 @@ def is_alive(pid):
         return False
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks at processes as Linux shows them")
 def test_processes_end_with_the_one_that_started_them(tmp_path):
     """They waited for ever for one that was killed."""
@@ -225,6 +229,7 @@ def test_processes_end_with_the_one_that_started_them(tmp_path):
     assert not left
 
 
+@pytest.mark.thorough
 def test_an_interrupt_ends_the_processes(at_once):
     queries = [(BALL.moving(fc.Translation(x)), EGG) for x in vectors(60).tolist()]
 

@@ -105,6 +105,7 @@ def expected(rows, scene):
     ]  # fmt: skip
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("out", SUFFIXES)
 def test_all_formats_give_the_answers_of_first_contact(batch, queries, bodies, suffix, out):
@@ -131,6 +132,7 @@ MOTIONS = {
 }  # fmt: skip
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", MOTIONS)
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_motions(batch, queries, bodies, name, suffix):
@@ -370,6 +372,7 @@ def kill_at(monkeypatch, moment):
     monkeypatch.setattr(kept_parts.os, "replace", replace)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_it_goes_on_after_a_kill_at_any_moment(batch, queries, bodies, tmp_path, monkeypatch, small_parts, suffix):
     path = queries(shifts(9), suffix)
@@ -432,6 +435,7 @@ def harmed(batch, queries, tmp_path, monkeypatch, small_parts):
     return made
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("harm", ["truncated", "swapped byte"])
 def test_a_torn_part_is_done_again(batch, harmed, harm):
     path, whole = harmed(harm)
@@ -518,6 +522,7 @@ main()
 """
 
 
+@pytest.mark.thorough
 def test_a_process_that_is_killed_leaves_what_it_has_done(batch, queries, bodies, tmp_path):
     path, out = queries(shifts(200), ".parquet"), tmp_path / "answers.parquet"
     arguments = ["batch", path, "--bodies", bodies, "--out", out, "--workers", "1"]
@@ -550,6 +555,7 @@ def test_progress_tells_rows_rate_and_the_time_left(batch, queries, monkeypatch)
     assert f"{path}: 20 of 20, " in told[-1] and "left" not in told[-1]
 
 
+@pytest.mark.thorough
 def test_answers_do_not_tell_where_parts_end(batch, queries, monkeypatch):
     """Not even by their work: in parts that are small boxes did not seem worth it."""
     pairs = [("cube", "train"), ("tetra", "wall"), ("train", "wall"), ("cube", "tetra")]

@@ -67,6 +67,7 @@ def targets(kinds):
     return [x for kind in kinds.split() for x in (f"--{kind}", f"whole.{kind}")]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_files_are_whole_though_the_reader_left(folder, name):
     need_extra_of(name)
@@ -95,6 +96,7 @@ def test_a_full_disk_for_the_text_is_told_after_the_files_are_whole(folder, caps
     assert capsys.readouterr().err == "firstcontact: standard output: no space left on device; give it another place\n"
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_a_full_disk_is_told_of_the_option_and_the_file(folder, capsys, name):
     need_extra_of(name)
@@ -144,6 +146,7 @@ NAMED = {
 }  # fmt: skip
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", NAMED)
 def test_what_a_scene_names_is_not_written_over(folder, capsys, name):
     need_extra_of(name)

@@ -21,6 +21,7 @@ def test_help_and_version(command):
     assert command("--version").out == f"firstcontact, version {fc.__version__}\n"
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("main", [MAIN, MODULE], ids=["script", "python -m"])
 def test_main_leaves_with_the_exit_code(python, tmp_path, main):
     done = python(main, "check", tmp_path / "none.toml")
@@ -39,6 +40,7 @@ def test_what_waits_for_the_end_of_the_process_is_done(python):
     assert (done.returncode, told) == (0, [f"firstcontact, version {fc.__version__}", "worked"])
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_shells_complete_commands_and_options(python, shell):
     assert "firstcontact" in python(completing(f"{shell}_source")).stdout
@@ -92,6 +94,7 @@ def test_a_scene_with_one_body_says_what_is_missing(command, scene):
     assert code == 3 and "add a second [body.NAME]" in err
 
 
+@pytest.mark.thorough
 def test_damaged_meshes_give_one_line_in_spite_of_reader_warnings(python, tmp_path):
     mesh = tmp_path / "damaged.glb"
     mesh.write_bytes(b"glTF" + bytes(40))
@@ -107,6 +110,7 @@ def test_a_reader_that_leaves_early_gets_neither_an_answer_nor_a_complaint(pytho
     assert done.returncode == 141 and done.stderr == ""
 
 
+@pytest.mark.thorough
 def test_a_scene_in_which_nothing_moves_warns(python, tmp_path):
     path = tmp_path / "still.toml"
     path.write_text(
@@ -119,6 +123,7 @@ def test_a_scene_in_which_nothing_moves_warns(python, tmp_path):
     assert warning.startswith(f"firstcontact: {path}: nothing that is checked moves") and "motion]" in warning
 
 
+@pytest.mark.thorough
 def test_a_surface_that_deforms_is_not_said_to_rest(python, tmp_path):
     path = tmp_path / "deforming.toml"
     path.write_text(

@@ -94,6 +94,7 @@ def test_it_tells_how_many_kernels_were_compiled_and_that_nothing_is_left_to_do(
         assert command("warmup") == (0, told, "")
 
 
+@pytest.mark.thorough
 def test_queries_and_examples_after_warming_up_compile_nothing_more(warmed, python):
     done = python(QUERIES + EXAMPLES.replace("{COMMANDS}", repr(COMMANDS)), Path(__file__).parents[2])
     assert done.returncode == 0, done.stderr

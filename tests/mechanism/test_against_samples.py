@@ -77,6 +77,7 @@ def judged(answer, truth, angles_at, samples=1000):
     return answer.status
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("seed", range(6))
 def test_first_contacts_of_an_arm(seed):
     rng = np.random.default_rng(seed)
@@ -215,6 +216,7 @@ def test_the_tolerance_is_a_share_of_the_whole_course():
     assert hit.time_interval[1] - hit.time_interval[0] <= 1e-9
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", range(3))
 def test_dwells_reversals_and_turns_of_single_joints(seed):
     """Joints that start, stop and turn back: plain turns, products and rest follow each other on one clock."""

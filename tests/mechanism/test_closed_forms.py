@@ -116,6 +116,7 @@ def test_far_from_the_origin_it_is_the_same(kind):
     assert found[0] == pytest.approx(found[1], abs=1e-8) and found[0][0] > 0.1
 
 
+@pytest.mark.share(8)
 @pytest.mark.parametrize("size", [1, 1e-100, 1e-170, 1e-300, 5e-324, "1e-400", 1e44, 1e-5])
 @pytest.mark.parametrize("is_moved_on", [False, True])
 def test_axes_of_any_length(size, is_moved_on):

@@ -20,6 +20,7 @@ def test_its_session_prints_what_it_says():
 COMMANDS = re.findall(r"    \$ firstcontact (.*)\n((?:    .*\n?)+)", TEXT)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("command", "shown"), COMMANDS, ids=[command.split()[0] for command, _ in COMMANDS])
 def test_its_commands_print_what_they_say(command, shown, capsys, monkeypatch):
     if command.startswith("robot"):

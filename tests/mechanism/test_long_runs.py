@@ -121,6 +121,7 @@ def test_rows_name_waypoints_and_joints(tmp_path, whole):
     assert {row["waypoint"] for row in free} == {""}
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("count", [3, 30, 70])
 def test_a_run_that_is_stopped_goes_on(tmp_path, whole, capsys, monkeypatch, count):
     """12 pairs are asked in each of 8 parts, one fewer from the contact on."""

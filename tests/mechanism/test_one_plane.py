@@ -103,7 +103,7 @@ HEIGHTS = {
 }
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(9)
 @pytest.mark.parametrize("heights", HEIGHTS.values(), ids=HEIGHTS)
 @pytest.mark.parametrize("seed", range(4))
 def test_flat_links_touch_where_their_outlines_do(heights, seed):

@@ -19,6 +19,7 @@ FRAME = fc.box((1, 1, 1)).translated((0, 0, -20))
 OPENED = fc.Mechanism({"frame": FRAME, "door": DOOR}, [fc.Joint("hinge", "revolute", "frame", "door", axis=(0, 0, 1))])
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("x", "y", "status"), [(8, 3, "CONTACT"), (50, 50, "FREE"), (20, 3, "FREE"), (4, 1, "INITIAL_CONTACT")]
 )

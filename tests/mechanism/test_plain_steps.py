@@ -25,6 +25,7 @@ def gantry(block, times, values, **course):
     return fc.Mechanism(links, joints).course(times, values, **course).bodies["head"][0]
 
 
+@pytest.mark.share(8)
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("place, contact", [
     ((4, 1, 0), (1, F(5, 3))), ((4, -1, 0), (1, 1)), ((2, 2, 1), (F(4, 3), 2)), ((2, -1, 1), (F(1, 3), 1)),

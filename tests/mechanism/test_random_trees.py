@@ -55,7 +55,7 @@ def answered(seed):
     return tree, tuple(tree.course.first_contacts())
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", sorted({*SEEDS, *SHIFTS_IN_IRRATIONAL_POSES}))
 def test_first_contacts_of_random_trees(seed):
     tree, hits = answered(seed)
@@ -67,7 +67,7 @@ def test_first_contacts_of_random_trees(seed):
             assert joint.interval[0] <= joint.value <= joint.interval[1]
 
 
-@pytest.mark.share(3)
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", SEEDS[::4])
 def test_intervals_of_random_trees(seed):
     tree = Tree(seed)

@@ -67,7 +67,7 @@ def moving(rng, body, kind, where, way):
     return body.moving(fc.RationalMotion([start, change]))
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(21)
 @pytest.mark.parametrize("pair", PAIRS)
 @pytest.mark.parametrize("seed", range(amount(24, 8)))
 def test_affine_poses(pair, seed):

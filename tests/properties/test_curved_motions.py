@@ -128,6 +128,7 @@ def test_screws_against_samples(seed):
     assert_first_by_sampling(x, y, fc.first_contact(x, y))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("interpolation", ["linear-quaternion", "screw"])
 @pytest.mark.parametrize("seed", range(4))
 def test_trajectories_against_samples(seed, interpolation):
@@ -327,7 +328,7 @@ def test_intervals_of_simple_motions(block, generic):
         assert [(i.start, i.end) for i in x] == [tuple(pytest.approx(t, abs=1e-10) for t in i) for i in y], seed
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("seed", range(6))
 def test_intervals_of_screws_against_samples(seed):
     rng = np.random.default_rng([10, seed])
@@ -341,6 +342,7 @@ def test_intervals_of_screws_against_samples(seed):
         assert near or inside == share_points(moving, b, float(t)), t
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("generic", [False, True], ids=["degenerate", "random"])
 def test_pairs_of_a_translation(generic):
     for seed in range(25):

@@ -79,7 +79,7 @@ CROSSED = fc.cylinder(1, 6).rotated((1, 0, 0), degrees=90).translated((2, 0, 0))
 REST, UP = fc.Translation((0, 0, 0)), fc.Translation((0, 0, 1))
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(9)
 @pytest.mark.parametrize(
     ("a", "b"),
     [

@@ -100,6 +100,7 @@ def test_time_runs_backwards_along_a_line():
         assert [(i.start_exact, i.end_exact) for i in back] == mirrored, scene
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("degrees", [90, 180, 270])
 def test_time_runs_backwards_in_a_turn(degrees):
     for seed in SEEDS:
@@ -145,6 +146,7 @@ def test_a_span_that_starts_in_an_irrational_pose():
         assert abs(late.time - whole.time) <= 1e-12, scene
 
 
+@pytest.mark.share(2)
 @MOTIONS
 def test_first_contact_is_the_start_of_the_first_interval(rotating):
     for scene in scenes(rotating):

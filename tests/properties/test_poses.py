@@ -66,7 +66,7 @@ def number(t):
 # ------------------------------------------------------------------------------------------------ one body
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", range(amount(30, 10)))
 def test_one_body(kind, seed):
@@ -149,7 +149,7 @@ PAIRS = [
 ]  # fmt: skip
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(22)
 @pytest.mark.parametrize("pair", PAIRS)
 @pytest.mark.parametrize("seed", range(amount(20, 10)))
 def test_two_bodies(pair, seed):
@@ -198,7 +198,7 @@ def check_windows(curved, pose_a, pose_b):
 RIGID = ["translation", "rotation", "screw", "between", "quaternions", "screws", "screw first", "screws only"]
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("kind", RIGID)
 def test_pictures(kind):
     body, truth = made(kind, 7)

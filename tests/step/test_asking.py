@@ -27,6 +27,7 @@ SHAPES = {
 }  # fmt: skip
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", SHAPES)
 def test_lines_tell_what_the_classifier_tells(name, monkeypatch):
     shape = SHAPES[name]()

@@ -21,6 +21,7 @@ def boxes(*places, name="row", **known):
                     name=name, **known)  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_the_first_contact_is_the_earliest_of_the_pieces():
     rng = np.random.default_rng(4)
     for _ in range(2):
@@ -124,6 +125,7 @@ def test_what_pictures_have_of_a_body_is_made_once_and_goes_with_it(is_drawn_fir
     assert len(calls) == 1
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("way", [(1, 0, 0), (0, 0, 1), (0, 0, -1)])
 def test_a_compound_that_stands_on_a_mesh(way):
     """It slides along it or leaves it, without a new contact, or goes down into it."""

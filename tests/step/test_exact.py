@@ -97,7 +97,7 @@ def made(name):
     return BODIES[name]
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("name", SHAPES)
 def test_points_are_inside_as_open_cascade_has_it(name):
     shape, body = made(name)
@@ -106,7 +106,7 @@ def test_points_are_inside_as_open_cascade_has_it(name):
     shapes.same_points(shape, body)
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("name", ["bored ball", "filleted box", "pin", "drilled", "plate", "slotted"])
 def test_edges_and_vertices_are_the_files(name):
     """Those that are derived of the pieces, but for what lies in walls between them, lie on the file's edges."""
@@ -171,6 +171,7 @@ def test_a_pin_along_walls_is_told_without_algebra(monkeypatch):
     assert hit.normal.tolist() == pytest.approx([0.0, -1.0, 0.0], abs=1e-12)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("turn", [None, ((1, 2, 3), 0.7)])
 def test_a_cone_ends_at_its_tip(turn):
     """Its other nappe was part of the pin, up to the wall of the cell."""
@@ -182,6 +183,7 @@ def test_a_cone_ends_at_its_tip(turn):
     assert hit.time == pytest.approx(0.5, abs=1e-8) and hit.element_a.kind == "vertex"
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", ["pin", "drilled", "plate", "filleted box"])
 def test_pieces_are_in_the_boxes_that_windows_are_made_of(name):
     """What was outside of its box was met within a window for the first time, which was told as a contact at time 0."""
@@ -196,6 +198,7 @@ def test_what_points_do_not_see_is_found_by_its_edges(monkeypatch):
     assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces)
 
 
+@pytest.mark.thorough
 def test_a_sliver_of_a_cell_beside_a_tangent_is_not_taken_for_the_solid():
     """A wall between cells leaves a tenth of a slot's side, along which no point was asked; the edge of what was added
     lay in that wall, to within rounding, and was left out."""
@@ -237,6 +240,7 @@ def test_solids_with_other_faces_are_triangles():
     assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces) and body.deviation > 1e-6
 
 
+@pytest.mark.thorough
 def test_answers_of_parts_are_named_by_their_faces():
     _, body = made("filleted box")
     hit = fc.first_contact(fc.sphere(1).translated((2, 1.5, 9)).moving(fc.Translation((0, 0, -9))), body)
@@ -250,6 +254,7 @@ def test_answers_of_parts_are_named_by_their_faces():
     assert hit.element_b.label.startswith("filleted box ")
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", [16, 20])
 def test_random_machined_parts_are_as_open_cascade_has_them(seed):
     """A share of benchmarks/step_random.py."""
@@ -277,6 +282,7 @@ def test_faces_that_do_not_enclose_what_they_bound_are_told(monkeypatch):
         bodies._check_volume(solid, found.corners, found.deviation)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("low", [0.0, 0.75])
 @pytest.mark.parametrize("angle", [1.0, 2.5])
 def test_a_sector_of_a_turned_cone_meets_a_mesh(low, angle):

@@ -50,6 +50,7 @@ def stands(found, pose):
     assert fc.first_contact(middle, found.body).status is fc.Status.INITIAL_CONTACT
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("swapped", [False, True])
 @pytest.mark.parametrize("number", [0, 1])
 def test_an_item_defined_transformation(tmp_path, number, swapped):

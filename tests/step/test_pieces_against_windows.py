@@ -63,7 +63,7 @@ def union(windows):
     return merged
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("seed", range(SEED, SEED + 60))
 def test_times_of_contact_are_the_union_of_those_of_the_boxes(seed):
     dice = random.Random(seed)
@@ -88,6 +88,7 @@ def test_times_of_contact_are_the_union_of_those_of_the_boxes(seed):
         assert lo <= begin <= hi and end_lo <= end <= end_hi
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("seed", range(20))
 def test_pieces_that_shift_are_asked_about_while_their_boxes_meet(seed):
     """Early ones first, with room on both sides, as far as the span goes."""

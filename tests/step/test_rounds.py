@@ -100,7 +100,7 @@ def down(body, x, y, height=10):
     return body.translated((x, y, height)).moving(fc.Translation((0, 0, -height)))
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(16)
 @pytest.mark.parametrize("name", SHAPES)
 def test_parts_with_rounds_are_exact(name):
     shape, body = made(name)
@@ -139,6 +139,7 @@ def test_a_ball_comes_down_on_a_round(x):
     assert swapped.time == hit.time and swapped.element_a == hit.element_b
 
 
+@pytest.mark.thorough
 def test_a_common_motion_changes_nothing():
     _, body = made("pin")
     ball, way = fc.sphere("1/2").translated((3, 0, 9)), np.array([0, 0, -6])
@@ -166,7 +167,7 @@ FILLETED = {
 }  # fmt: skip
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("kind", FILLETED)
 def test_bodies_of_all_kinds_come_to_a_fillet(kind):
     """Its circle has the radius 14/5 and is at z = 14/5: what is in the corner is 4/5 from there."""
@@ -177,6 +178,7 @@ def test_bodies_of_all_kinds_come_to_a_fillet(kind):
     assert hit.element_b.index == body.pieces[-1].names.own[0][0]
 
 
+@pytest.mark.thorough
 def test_times_of_contact_with_a_round():
     _, body = made("pin")
     across = fc.sphere("1/2").translated(("14/5", -9, "26/5")).moving(fc.Translation((0, 18, 0)))
@@ -185,7 +187,7 @@ def test_times_of_contact_with_a_round():
     assert (stay.start, stay.end) == pytest.approx(((9 - reach) / 18, (9 + reach) / 18), abs=1e-10)
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", ["pin", "groove"])
 @pytest.mark.parametrize("side", ["flat", "round"])
 def test_what_lands_flat_beside_a_round(side, name):
@@ -211,6 +213,7 @@ def test_a_bar_of_a_file_beside_a_round():
     assert hit.status is fc.Status.CONTACT and np.linalg.norm(middle) == pytest.approx(2.4231184481214936, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_parts_with_rounds_are_values():
     _, body = made("boss")
     assert pickle.loads(pickle.dumps(body)) == body
@@ -235,6 +238,7 @@ def test_a_ball_comes_through_a_bent_pipe_and_onto_its_end():
     assert hit.normal == pytest.approx([0, -1, 0], abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_slivers_beside_the_ends_of_rounds_are_not_lost():
     """Beyond its end a chord is all but where the next face is: what is between was cut off, to a depth of 2e-6."""
     made = shapes.filleted(shapes.filleted(shapes.box((60, 40, 6)), 6, shapes.upright), 1, shapes.level_at(0))
@@ -272,6 +276,7 @@ def test_sectors_hold_what_their_angles_and_distances_say(seed):
             assert (fc.first_contact(ball, body).status is fc.Status.INITIAL_CONTACT) == touched
 
 
+@pytest.mark.thorough
 def test_what_seats_on_a_round_along_a_circle_is_told_by_triangles():
     """The rim of a hole of radius 2.6 comes to a round, a tube of radius 1 about radius 2 and z = 4, at z = 4.8."""
     holed = shapes.cut(shapes.box((10, 10, 1), (-5, -5, 0)), shapes.cylinder(2.6, 2, (0, 0, -0.5)))
@@ -295,6 +300,7 @@ def test_triangles_that_miss_each_other_prove_nothing_of_rounds():
     assert further.status is fc.Status.CONTACT and further.time == pytest.approx(1.0, abs=1e-9)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("depth", ["1e-5", "1e-8"])
 def test_a_graze_that_triangles_miss_is_not_told_as_what_comes_later(depth):
     """A ball passes a ring at t = 1/4, that deep in it, goes on, and comes into the ring: CONTACT was told at 0.8."""
@@ -312,7 +318,7 @@ def test_a_graze_that_triangles_miss_is_not_told_as_what_comes_later(depth):
     assert found.status is fc.Status.UNDECIDED or found.time < 0.25 + 1e-3
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["pin", "groove", "boss"])
 @pytest.mark.parametrize("lander", ["plate", "pin"])
 def test_all_times_where_parts_land_flat_beside_rounds(lander, name):

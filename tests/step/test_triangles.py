@@ -78,6 +78,7 @@ def on_faces(solid, count, rng):
     return np.array(points)
 
 
+@pytest.mark.share(11)
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize("share", [0.02, 0.002])
 def test_triangles_and_faces_are_as_near_each_other_as_is_said(name, share):
@@ -122,6 +123,7 @@ def test_a_corner_that_leaves_another_one_outside_is_left_to_finer_triangles():
     assert (_areas(uv, np.array(found)) < 0).any()
 
 
+@pytest.mark.thorough
 def test_a_face_that_folded_took_minutes():
     """It was cut anew, ever finer, and folded every time; the first triangles do."""
     shape, times = torus_and_half_a_torus(), []
@@ -149,6 +151,7 @@ TIPS = {
 }
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("name", TIPS)
 def test_triangles_around_poles_are_fine_from_the_start(name):
     """A cone took minutes and was refused at the default deviation: its triangles had one corner at the tip, and lay

@@ -80,6 +80,7 @@ def spike(angle, reach):
     return fc.Polyhedron([tip, *base], [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])
 
 
+@pytest.mark.thorough
 def test_what_the_chords_of_an_arc_pass_by_is_met(tmp_path):
     """Spikes from outside that reach a little into the ring that the cutter sweeps, at many angles of the arc.
 
@@ -175,7 +176,7 @@ def test_a_body_without_bounds_and_a_body_that_moves(tmp_path):
         found_in(tmp_path, "G1 X1", {"post": post((20, 0, 0)).moving(fc.Translation((1, 0, 0)))})
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("body", "x"), [
     (fc.torus(8, 2).translated((40, 0, 0)), 40 - 8 - 2 - 3),
     (fc.sphere(5).translated((20, 0, 5)), 20 - 5 - 3),
@@ -299,6 +300,7 @@ def test_places_hold_all_between():
             assert axis == pytest.approx(turned(u, v, t) @ u, abs=1e-13)
 
 
+@pytest.mark.thorough
 def test_free_and_contact_beside_points_of_the_tool(tmp_path):
     """Random blocks before a box: sampled points of a free tool are outside; just after a contact the tool is in."""
     rng, lo, hi = np.random.default_rng(9), np.array([10.0, -8.0, -20.0]), np.array([26.0, 9.0, 3.0])
@@ -336,6 +338,7 @@ def test_free_and_contact_beside_points_of_the_tool(tmp_path):
     assert statuses == {"FREE", "CONTACT"}
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("whole", [3, 7, 9, 13])
 def test_the_enclosure_holds_fractions_that_are_no_doubles(tmp_path, whole):
     """A cutter of radius 1 goes from 0 to `whole`, and a wall stands so that they meet at k / whole."""
@@ -346,6 +349,7 @@ def test_the_enclosure_holds_fractions_that_are_no_doubles(tmp_path, whole):
         assert Fraction(finding.lo) <= Fraction(k, whole) <= Fraction(finding.hi)
 
 
+@pytest.mark.thorough
 def test_the_enclosure_holds_fractions_of_a_block_of_many_ways(tmp_path):
     """A drill goes down 1 fast and on to its depth, then back up to -1: it meets the floor after top of 2 depth - 1."""
     drill = fc.Tool([("flutes", "cutter", 2, 2)])

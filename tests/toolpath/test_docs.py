@@ -19,6 +19,7 @@ def test_its_session_prints_what_it_says(monkeypatch):
     assert doctest.DocTestRunner().run(session).failed == 0 and len(session.examples) == 5
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
 def test_the_example_prints_what_is_shown(text, capsys, monkeypatch):
     monkeypatch.chdir(ROOT)

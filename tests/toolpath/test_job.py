@@ -68,6 +68,7 @@ def test_an_interrupted_job_goes_on_where_it_was(tmp_path):
     assert list(job.verdicts(path, setup, resume=kept)) == whole and setup.asked == 0
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("cut", [1, 30])
 def test_a_torn_line_is_done_again(tmp_path, cut):
     path, kept = program(tmp_path, 60), tmp_path / "kept.jsonl"
@@ -80,6 +81,7 @@ def test_a_torn_line_is_done_again(tmp_path, cut):
 DAMAGED = ["{}", '{"blocks": 16}', "null", '{"blocks": 16, "found": {"0": [{"par', '{"blocks": 1, "found": []}']
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("damage", DAMAGED)
 def test_a_damaged_line_is_named(tmp_path, damage):
     path, kept = program(tmp_path, 60), tmp_path / "kept.jsonl"
@@ -120,6 +122,7 @@ def test_chunks_do_not_change_what_is_told(tmp_path):
     assert list(job.verdicts(path, Setup(TOOL, {"post": POST}, workers=2))) == whole
 
 
+@pytest.mark.thorough
 def test_memory_does_not_grow_with_the_program(tmp_path):
     peaks, away = [], {"post": POST.translated((0, 90, 0))}
     for count in (400, 400, 2400):

@@ -54,6 +54,7 @@ def _moved(body, motion):
     return placed.moving(fc.Screw(axis, point, turns=turns, advance=F(motion["pitch"])))
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("vector", VECTORS, ids=lambda v: v.name)
 def test_known_answers(vector):
     for pair in (bodies(vector), bodies(vector)[::-1]):
@@ -124,6 +125,7 @@ BALL = fc.sphere("1/2")
 CAPSULE = fc.cylinder("1/2", "3/2") | BALL.translated((0, 0, "3/4")) | BALL.translated((0, 0, "-3/4"))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("body, is_convex", [
     (CAPSULE, True),
     (fc.box((2, 1, 1)) | fc.cylinder("1/2", 1).translated((1, 0, 0)), True),
@@ -224,7 +226,7 @@ def apart(a, b, t) -> float:
     return best
 
 
-@pytest.mark.share(5)
+@pytest.mark.share(10)
 @pytest.mark.parametrize("seed", range(amount(150)))
 def test_random_pairs(seed):
     a, b = random_pair(seed)

@@ -40,6 +40,7 @@ def points_of(body, n=4000):
     return p[body.contains(p)]
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("name", SOLIDS)
 def test_support_is_above_all_points_and_attained(name):
     body = SOLIDS[name]

@@ -413,7 +413,7 @@ TURNS = [
 ]  # fmt: skip
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(9)
 @pytest.mark.parametrize("motion", TURNS, ids=str)
 @pytest.mark.parametrize("part", [1.0, 0.37])
 def test_bounds_hold_the_moving_body(motion, part):

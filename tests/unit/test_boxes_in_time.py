@@ -46,6 +46,7 @@ def motion_of(v) -> np.ndarray:
         return np.concatenate([v, 1.0 / np.array(v)])
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("kind", ["random", "lattice"])
 def test_entry_time_is_never_late(kind):
     rng = np.random.default_rng(91)
@@ -71,6 +72,7 @@ def test_entry_time_is_never_late(kind):
     assert met > n / 12 and missed > n / 12 and sharp == met
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("kind", ["random", "lattice"])
 def test_slab_window_encloses(kind):
     rng = np.random.default_rng(92)
@@ -128,6 +130,7 @@ def turning(centre, a, b, pad) -> np.ndarray:
     return motion
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("kind", ["random", "lattice"])
 def test_entry_angle_is_never_late(kind):
     """A point of a meets a point of b at phi: no window around phi may start its contacts later."""
@@ -147,6 +150,7 @@ def test_entry_angle_is_never_late(kind):
     assert later_than_first > n / 2
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("kind", ["random", "lattice"])
 def test_angle_window_encloses(kind):
     rng = np.random.default_rng(94)

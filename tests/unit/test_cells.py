@@ -96,6 +96,7 @@ def test_doubles_write_the_cells_but_where_their_rounding_is_too_much():
     assert wrote == set(MOTIONS) - {"many turns"}
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_balls_that_are_apart(name):
     """Sampled centres stay in their boxes, so that balls told apart are so at all sampled times."""
@@ -148,7 +149,7 @@ def test_balls_are_apart_through_a_turn_just_where_sampled_places_are():
     assert min(told.values()) > 400
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(16)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_boxes_are_apart_until_they_are_said_to_meet(name):
     piece = piece_of(name)

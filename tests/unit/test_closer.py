@@ -34,6 +34,7 @@ ROOT = real_roots(fmpz_poly([-2, 0, 0, 1]), fmpq(1), fmpq(2))[0]
 """The cube root of 2."""
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", range(3))
 def test_a_bowl_on_a_table(seed: int) -> None:
     """z = (u - k)^2 + gap + (T^3 - 2) above z = 0: at T = 2^(1/3) the gap is what is between them, at u = k."""
@@ -57,6 +58,7 @@ def test_two_tips(far: bool) -> None:
     assert bool(kept(up, down, ROOT)) is not far
 
 
+@pytest.mark.thorough
 def test_the_apex_of_a_turning_cone_beside_another() -> None:
     """Rotations about one axis and an apex 1e-12 beside it: no instant took elimination in a field of degree 48."""
     axis, middle = (F(6, 19), F(-18, 19), F(1, 19)), (-1, 3, 3)

@@ -109,6 +109,7 @@ def test_equal_unnamed_primitives_have_different_names():
     ]  # fmt: skip
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("body", [built[0] for built in BUILT])
 def test_names_are_unique_whatever_is_combined(body):
     other = body.translated(("1/5", "1/7", "1/4"))

@@ -57,6 +57,7 @@ def volume(mesh):
     return float(np.einsum("ni,ni->", a, np.cross(b, c)) / 6)
 
 
+@pytest.mark.thorough
 def test_edges_lie_on_the_boundary_and_end_in_vertices():
     seen = 0
     for body in combinations(range(amount(40))):
@@ -77,6 +78,7 @@ def test_edges_lie_on_the_boundary_and_end_in_vertices():
     assert seen > amount(150)
 
 
+@pytest.mark.thorough
 def test_sides_of_surfaces_are_faces():
     """A step across a surface that leaves the solid is a step across a face."""
     for body in combinations(range(amount(40))):
@@ -120,6 +122,7 @@ def test_mesh_of_planar_faces_needs_their_outlines_only():
     assert len(fc.cylinder(1, 100).to_mesh(1).vertices) == 16
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("body", [fc.cylinder(1, 2), fc.cone(1, 2)])
 def test_fine_mesh_of_rulings_needs_no_triangles_but_those_at_its_chords(body):
     """Sides along rulings are no distance off, however long: flips have to find them all."""
@@ -127,6 +130,7 @@ def test_fine_mesh_of_rulings_needs_no_triangles_but_those_at_its_chords(body):
     assert len(body.to_mesh(1e-4).triangles) <= 4.2 * chords
 
 
+@pytest.mark.share(8)
 @pytest.mark.parametrize(("body", "expected"), MESHES)
 def test_mesh_has_the_volume_and_lies_on_the_surfaces(body, expected):
     mesh = body.to_mesh(0.005)

@@ -50,7 +50,7 @@ def descend(tree):
             stack += [(int(left), (*path, int(left))), (int(right), (*path, int(right)))]
 
 
-@pytest.mark.share(5)
+@pytest.mark.share(20)
 @pytest.mark.parametrize("name", BODIES)
 @pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (1.0, 2.0, 3.0)])
 @pytest.mark.parametrize("where", ["far", "through", "corner", "surface"])

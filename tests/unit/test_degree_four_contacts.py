@@ -177,6 +177,7 @@ def test_an_edge_meets_a_straight_edge():
     assert_first(found)
 
 
+@pytest.mark.thorough
 def test_edges_of_degree_4_meet_each_other():
     a = crossed(1, Fraction(3, 4)).rotated((0, 0, 1), degrees=80)
     b = crossed(1, Fraction(3, 4)).rotated((1, -3, 1), degrees=70).translated((2, Fraction(4, 3), 1))
@@ -240,6 +241,7 @@ def test_a_near_miss_and_a_near_graze_are_decided():
         assert len(near) == count and not any(isinstance(r, OpenRoot) for r in near)
 
 
+@pytest.mark.thorough
 def test_a_node_of_the_edge_leaves_an_open_stretch_around_a_known_contact():
     body = fc.sphere(2) & fc.cylinder(1, 8).translated((1, 0, 0))  # tangent inside at (2, 0, 0)
     found = search(body, fc.box((1, 9, 9)).translated((4, 0, 0)).moving(fc.Translation((-4, 0, 0))))

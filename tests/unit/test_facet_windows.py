@@ -47,7 +47,7 @@ def both(a, b, v, first, last):
     return lo, hi
 
 
-@pytest.mark.share(3)
+@pytest.mark.thorough
 @pytest.mark.parametrize("rounded", [False, True])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_window_holds_all_times_at_which_both_straddle(family, rounded):

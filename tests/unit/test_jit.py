@@ -37,6 +37,7 @@ print(sum(twice.stats.cache_misses.values()), sum(twice.stats.cache_hits.values(
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="no lock there: a kernel may be compiled twice")
 def test_processes_that_start_together_compile_a_kernel_once(tmp_path):
     (tmp_path / "ask.py").write_text(ASK)
@@ -79,6 +80,7 @@ print(calls(1), sum(calls.stats.cache_hits.values()))
 """
 
 
+@pytest.mark.thorough
 def test_an_edit_of_what_a_kernel_reads_is_seen_and_a_new_place_is_not_an_edit(tmp_path):
     environment = os.environ | {"FIRSTCONTACT_CACHE": str(tmp_path / "cache")}
 
@@ -112,6 +114,7 @@ print(twice(2), len(cache.LOADED), len(cache.COMPILED))
 """
 
 
+@pytest.mark.thorough
 def test_shipped_kernels_are_found_by_any_processor_and_others_than_ours_are_told_once(tmp_path):
     (tmp_path / "ask.py").write_text(SHIPPED)
     portable = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
@@ -296,6 +299,7 @@ print(middle(3), inmost(3), len(middle.signatures))
 """
 
 
+@pytest.mark.thorough
 def test_what_kernels_call_gets_no_code_of_its_own_until_python_calls_it(tmp_path):
     (tmp_path / "ask.py").write_text(PARTS)
     environment = os.environ | {"FIRSTCONTACT_CACHE": str(tmp_path / "cache")}
@@ -366,6 +370,7 @@ except ValueError as error:
 """
 
 
+@pytest.mark.thorough
 def test_thrifty_compiling_makes_the_same_code(tmp_path):
     """Of overloads, closures, array expressions, exceptions, arrays counted, variables that branches assign to."""
     (tmp_path / "ask.py").write_text(THRIFTY)

@@ -115,6 +115,7 @@ def wire_on_a_plate(lift):
     return wire.moving(fc.Sequence([down, turns, away])), plate
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("lift", "corners"), [(0, 4), (F(1, 2**60), 3), (-F(1, 2**50), 1)])
 def test_what_hovers_a_hair_above_a_plate_and_turns_lands_in_time(lift, corners):
     """Edges there lie in one plane with those of the plate, but for 2^-40, for two turns: it took more than 80 s."""

@@ -302,7 +302,7 @@ def has_factor_in_one_variable(f) -> bool:
     return bool(found.in_u or found.in_v)
 
 
-@pytest.mark.share(5)
+@pytest.mark.share(15)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_curves(seed):
     f = random_curve(random.Random(seed))

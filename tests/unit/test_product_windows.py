@@ -22,6 +22,7 @@ VALUES = {
 }
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", VALUES)
 def test_poses_are_within_their_errors(name):
     rows = [tuple(map(fmpq, value)) for value in VALUES[name]]

@@ -106,6 +106,7 @@ def landed(exact: bool = False) -> fc.FirstContact:
     return hit
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", ["point", "normal", "others", "multiplicity", "contact_set"])
 def test_what_curved_solids_share_is_told_late_and_the_same_whatever_is_read_first(name):
     hit, other, exact = landed(), landed(), landed(exact=True)

@@ -79,7 +79,7 @@ def scenes(family, rng, n, kind):
     return zip(a.tolist(), turned_onto(family, rng, a, b).tolist(), strict=True)
 
 
-@pytest.mark.share(3)
+@pytest.mark.thorough
 @KINDS
 @pytest.mark.parametrize("family", FAMILIES)
 def test_filter_agrees_with_exact_contacts(kind, family):
@@ -104,7 +104,7 @@ def test_filter_agrees_with_exact_contacts(kind, family):
         assert seen[NONE] > 0.2 * n and seen[UNSURE] > 0, seen
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @KINDS
 @pytest.mark.parametrize("family", FAMILIES)
 def test_filter_with_rounded_coordinates(kind, family):
@@ -122,6 +122,7 @@ def test_filter_with_rounded_coordinates(kind, family):
     assert seen[NONE] and seen[UNSURE] and seen[CERTAIN], seen
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_exact_contacts_do_not_depend_on_the_order_of_the_bodies(family):
     """b seen from a turns backward; angles agree exactly."""

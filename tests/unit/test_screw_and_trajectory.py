@@ -270,7 +270,7 @@ MOTIONS = [
 ]  # fmt: skip
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("motion", MOTIONS, ids=repr)
 @pytest.mark.parametrize("part", [(0.0, 1.0), (0.3, 0.37), (0.5, 0.5)])
 def test_bounds_hold_the_moving_body(motion, part):
@@ -355,7 +355,7 @@ def test_bounds_of_an_unknown_motion_are_refused():
 TURNS_AND_SHIFTS = [fc.Translation((1, -2, 3)), fc.Rotation((1, 1, 0), degrees=300)]
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(12)
 @pytest.mark.parametrize("motion", [*MOTIONS, *TURNS_AND_SHIFTS], ids=repr)
 def test_bounds_hold_a_moving_solid(motion):
     solid = fc.cylinder(1, 3) - fc.sphere(1).translated((0, 0, 1))

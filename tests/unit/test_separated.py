@@ -59,6 +59,7 @@ def share_a_point(a, b):
     return linprog(np.zeros(len(a) + len(b)), A_eq=equal, b_eq=[0, 0, 0, 1, 1]).status == 0
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("flat", [False, True])
 def test_what_doubles_tell_of_many_pairs(flat):
     """Never apart where they meet; in one plane all that are apart are told."""

@@ -33,6 +33,7 @@ def sign(x):
     return (x > 0) - (x < 0)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("kind", ["lattice", "sizes", "plane"])
 @pytest.mark.parametrize("parts", [1, 2])
 def test_signs_are_those_of_fractions(kind, parts):

@@ -26,7 +26,7 @@ def quartic_pieces(body) -> int:
     return sum(len(e.pieces) for e in body.edges if isinstance(e.carrier, QuarticCurve))
 
 
-@pytest.mark.share(5)
+@pytest.mark.share(40)
 @pytest.mark.parametrize("kinds", PAIRS, ids=["-".join(k.__name__ for k in p) for p in PAIRS])
 def test_solids_pushed_into_each_other_share_a_lens_and_no_others_do(kinds):
     number = PAIRS.index(kinds)
@@ -41,7 +41,7 @@ def test_solids_pushed_into_each_other_share_a_lens_and_no_others_do(kinds):
             _ = pair.a & pair.b
 
 
-@pytest.mark.share(4)
+@pytest.mark.share(8)
 @pytest.mark.parametrize("turned", ["no", "rationally", "by 40 degrees", "about y"])
 @pytest.mark.parametrize(("ball", "tube", "depth"), SCENES)
 def test_a_ball_dips_into_a_cylinder(ball, tube, depth, turned):
@@ -60,6 +60,7 @@ def test_a_ball_dips_into_a_cylinder(ball, tube, depth, turned):
     assert quartic_pieces(union) == 1
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("depth", ["1e-3", "1e-9", "1e-22"])
 def test_a_ball_stays_outside_or_only_touches(depth):
     a, b = fc.sphere(20).transformed(TURN), fc.cylinder(5, 10)
@@ -68,7 +69,7 @@ def test_a_ball_stays_outside_or_only_touches(depth):
             _ = a & b.translated((25 + gap, 0, 0)).transformed(TURN)
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("thin", [F(1, 10**k) for k in (2, 9, 14, 30)])
 def test_both_loops_of_a_thin_ring(thin):
     """E2 = E1 + z^2 - thin (1 + x/10 + y/7) < 0 beyond E1 is a ring around z = 0, of that height squared."""
@@ -88,7 +89,7 @@ def test_both_loops_of_a_thin_ring(thin):
     assert (b - a).contains((x, y, 0))
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("off", [F(1, 10**k) for k in (1, 6, 9, 20)])
 def test_loops_that_nearly_touch_are_told_apart(off):
     """Crossing cylinders with radii 1 and 1 +- off: two loops around the thinner one, closer than any step."""

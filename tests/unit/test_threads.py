@@ -47,6 +47,7 @@ def hasty_threads() -> Iterator[None]:
     sys.setswitchinterval(before)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("exact", [False, True])
 def test_threads_get_the_same_bits(hasty_threads, exact):
     questions = scenes()

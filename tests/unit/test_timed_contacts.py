@@ -54,7 +54,7 @@ def parts(family, rng):
     return scale * rng.normal(size=9), scale * (rng.normal(size=9) + 2.0), scale * rng.normal(size=3)
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(9)
 @pytest.mark.parametrize("kind", [VERTEX_FACE, EDGE_EDGE, FACE_VERTEX])
 @pytest.mark.parametrize("family", ["random", "thin", "lattice", "rounded", "far"])
 def test_a_told_time_is_the_nearest_double_and_on_the_side_told(family, kind):

@@ -33,7 +33,7 @@ SOLIDS = {
 WAYS = [(1, -2, 3), (Fraction(1, 3), 1e-9, 0), (300, Fraction(2, 7), -5)]
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(16)
 @pytest.mark.parametrize("way", WAYS, ids=str)
 @pytest.mark.parametrize("name", SOLIDS)
 def test_features_are_those_worked_out_anew(name, way):
@@ -82,6 +82,7 @@ def check_points(moved, edge):
                 assert np.abs(there).max() < 1e-9 * size
 
 
+@pytest.mark.thorough
 def test_points_of_fields_and_curves_of_degree_4_are_among_them():
     kinds = {type(x.carrier) for make in SOLIDS.values() for x in (*make().vertices, *make().edges)}
     assert {Point, AlgebraicPoint, EnclosedPoint, QuarticCurve} <= kinds

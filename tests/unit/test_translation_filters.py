@@ -56,7 +56,7 @@ FACET = (point_plane.translation_filter, point_plane.translation_window, facet_o
 KINDS = pytest.mark.parametrize("kind", [EDGES, FACET], ids=["edge edge", "vertex facet"])
 
 
-@pytest.mark.share(3)
+@pytest.mark.thorough
 @KINDS
 @pytest.mark.parametrize("family", FAMILIES)
 def test_filter_agrees_with_exact_window(kind, family):
@@ -80,7 +80,7 @@ def test_filter_agrees_with_exact_window(kind, family):
         assert seen[NONE] > 0.2 * n and seen[UNSURE] > (0.01 * n if family != "shaken" else 0), seen
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @KINDS
 @pytest.mark.parametrize("family", FAMILIES)
 def test_filter_with_rounded_coordinates(kind, family):
@@ -108,7 +108,7 @@ CROSSING = {segment_facet.APART: (NONE, UNSURE), segment_facet.TOUCHING: (UNSURE
             segment_facet.CROSSING: (CERTAIN, UNSURE)}  # fmt: skip
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_crossing_filter(family):
     rng = np.random.default_rng(53)
@@ -126,7 +126,7 @@ def test_crossing_filter(family):
         assert seen[segment_facet.APART, UNSURE] + seen[segment_facet.CROSSING, UNSURE] == 0
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_crossing_filter_with_rounded_coordinates(family):
     rng = np.random.default_rng(54)
@@ -165,6 +165,7 @@ def test_edges_that_cross_after_half_the_way():
     assert line_line.translation_filter(*args, 0.0, 0.49, 0.0, 0.0)[0] == NONE
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_contact_points_lie_on_both_edges(family):
     rng = np.random.default_rng(56)

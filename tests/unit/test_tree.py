@@ -128,7 +128,7 @@ def test_a_translate_has_the_tree_of_its_origin_by_its_own_coordinates():
     assert np.array_equal(boxes, np.hstack([points.min(axis=1), points.max(axis=1)]))
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(9)
 @NAMES
 def test_boxes_hold_their_triangles(name):
     tree = tree_of(BODIES[name]())
@@ -217,7 +217,7 @@ def test_splitting_makes_the_boxes_smaller():
         assert np.max(box[3:] - box[:3]) < 0.75 * whole.max()
 
 
-@pytest.mark.share(5)
+@pytest.mark.share(10)
 @NAMES
 @pytest.mark.parametrize("axis", [(1.0, 2.0, 3.0), (-0.3, 1e-9, 0.7), (0.0, 1.0, 0.0)])
 def test_refitted_boxes_hold_the_turned_body(name, axis):

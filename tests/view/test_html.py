@@ -215,6 +215,7 @@ def test_an_unbounded_body_is_drawn_anew_for_every_pair():
     assert len(data["meshes"]) == 4
 
 
+@pytest.mark.thorough
 def test_an_assembly_of_300_bodies_stays_below_10_mb():
     """Parts of a thousand triangles, one of 400,000; of 302 pairs the page has the two in contact, in order."""
     gears = [fc.examples.spur_gear(1000, teeth=8 + k) for k in range(20)]
@@ -232,6 +233,7 @@ def test_an_assembly_of_300_bodies_stays_below_10_mb():
     assert len(data["meshes"]) < 60  # copies are written once
 
 
+@pytest.mark.thorough
 def test_what_touches_is_written_once_of_bodies_that_are_alike():
     """155 contacts of 300 nuts took 37 MB: each told all of the faces that touch anew."""
     coin = fc.Polyhedron.from_trimesh(trimesh.creation.cylinder(1, 0.5, sections=64))

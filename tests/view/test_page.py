@@ -172,6 +172,7 @@ def test_the_picture_at_contact(opened):
     assert arrow.any(axis=1).all()
 
 
+@pytest.mark.thorough
 def test_the_bodies_are_where_the_motion_puts_them(opened):
     beside = np.array([-14, -14])  # the arrow covers the middle of the spike
     state(opened, "setTime(0)")
@@ -218,6 +219,7 @@ document.getElementById("play").click();
 """Plays past the contact and pauses there; the page itself records every frame: asking from here may take too long."""
 
 
+@pytest.mark.thorough
 def test_play_moves_time_on_and_rests_at_the_contact(opened):
     opened.execute_script(RECORD)
     wait_until(lambda: state(opened, "time") > 0.55 and not state(opened, "isPlaying"))
@@ -264,6 +266,7 @@ def test_the_address_sets_the_time(opened, page):
     assert state(opened, "time") == 0.75
 
 
+@pytest.mark.thorough
 def test_the_address_keeps_the_camera(opened, page):
     from selenium.webdriver import ActionChains
 
@@ -288,6 +291,7 @@ def test_the_timeline(opened):
     assert tick == "50%"
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     "pair, status, kinds, moment",
     [
@@ -323,6 +327,7 @@ def test_a_name_is_text_and_steps_are_followed(opened, page):
 SOLIDS, ON_FLOOR = 4, 5
 
 
+@pytest.mark.thorough
 def test_solids_are_drawn_with_their_contact_curve(opened, page):
     show(opened, f"{page}#pair={SOLIDS}")
     wait_until(lambda: state(opened, "pair") == SOLIDS)
@@ -352,6 +357,7 @@ def test_the_contact_curve_is_where_the_circle_is(opened, page):
     assert np.mean(on_screen) > 0.95
 
 
+@pytest.mark.thorough
 def test_solids_are_shaded_smoothly_and_meshes_flat(opened, page):
     smooth = {entry["name"]: entry["smooth"] for entry in state(opened, "objects")}
     assert smooth["spike surface"] is False and smooth["box surface"] is False
@@ -368,6 +374,7 @@ def test_solids_are_shaded_smoothly_and_meshes_flat(opened, page):
     assert np.percentile(np.abs(np.diff(brightness)), 80) <= 4
 
 
+@pytest.mark.thorough
 def test_the_slider_moves_solids(opened, page):
     show(opened, f"{page}#pair={ON_FLOOR}&t=0.25")
     wait_until(lambda: state(opened, "time") == 0.25)
@@ -407,6 +414,7 @@ def share_of(pixels, layer):
     return np.mean(near)
 
 
+@pytest.mark.thorough
 def test_an_intersection_curve_with_its_legend(opened, surfaces):
     show(opened, surfaces)
     assert state(opened, "status") == "CURVE" and not opened.find_element("id", "bar").is_displayed()
@@ -426,6 +434,7 @@ def test_an_intersection_curve_with_its_legend(opened, surfaces):
     assert hidden >= {"layer component 1, closed", "layer isolated points", "cone surface", "pipe edges"}
 
 
+@pytest.mark.thorough
 def test_singular_points_and_overlaps(opened, surfaces):
     show(opened, f"{surfaces}#pair={FLAT}")
     (overlap,) = wait_until(lambda: state(opened, "pair") == FLAT and state(opened, "layers"))
@@ -445,6 +454,7 @@ def test_singular_points_and_overlaps(opened, surfaces):
         assert share_of(pixels, lines) > 0.8
 
 
+@pytest.mark.thorough
 def test_a_surface_deforms_with_the_time(opened, surfaces):
     show(opened, f"{surfaces}#pair={ROLLER}")
     wait_until(lambda: state(opened, "pair") == ROLLER)
@@ -470,6 +480,7 @@ def assembly(tmp_path_factory):
     return write_page(path, reversed(results), SceneView(bodies, "mm")).as_uri()
 
 
+@pytest.mark.thorough
 def test_an_assembly_steps_through_its_contacts(opened, assembly):
     """The k-th post is struck when the sled has gone 1 + 2 k of 40."""
     show(opened, assembly)
@@ -487,6 +498,7 @@ def test_an_assembly_steps_through_its_contacts(opened, assembly):
     assert state(opened, "contactTime") == 0.125
 
 
+@pytest.mark.thorough
 def test_parts_are_hidden_and_shown(opened, assembly):
     show(opened, assembly)
     press(opened, "all")
@@ -504,6 +516,7 @@ def test_parts_are_hidden_and_shown(opened, assembly):
     assert "body sled" not in {entry["name"] for entry in state(opened, "objects") if entry["visible"]}
 
 
+@pytest.mark.thorough
 def test_the_scale_has_the_unit_of_the_scene(opened, assembly, page):
     show(opened, assembly)
     near = state(opened, "scale")
@@ -515,6 +528,7 @@ def test_the_scale_has_the_unit_of_the_scene(opened, assembly, page):
     assert float(state(opened, "scale")) > 0
 
 
+@pytest.mark.thorough
 def test_faces_are_coloured_near_the_contact_alone(opened, tmp_path):
     """A small cube on a plate of a hundred times its size: its red does not reach the plate's border."""
     plate = fc.examples.box((100.0, 100.0, 1.0)).translated((0, 0, -1)).named("plate")
@@ -568,6 +582,7 @@ def sliders(browser):
     return {x.get_attribute("name"): float(x.get_attribute("value")) for x in found}
 
 
+@pytest.mark.thorough
 def test_sliders_of_joints_follow_the_time(opened, jointed):
     """Values are those of SciPy's natural spline, the claw is where products of SciPy's rotations have it."""
     from scipy.interpolate import CubicSpline
@@ -590,6 +605,7 @@ def test_sliders_of_joints_follow_the_time(opened, jointed):
                      ["grip", "0.7250 mm", "-1.375", "1.625"]]  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_a_joint_moved_by_hand_leaves_the_path(opened, jointed):
     from selenium.webdriver.common.keys import Keys
 
@@ -619,6 +635,7 @@ def test_a_joint_moved_by_hand_leaves_the_path(opened, jointed):
     assert not opened.find_element("id", "offPath").is_displayed()
 
 
+@pytest.mark.thorough
 def test_playing_goes_back_to_the_path(opened, jointed):
     from scipy.interpolate import CubicSpline
 
@@ -634,6 +651,7 @@ def test_playing_goes_back_to_the_path(opened, jointed):
     assert not state(opened, "byHand") and joint_values(opened)["shoulder"] == pytest.approx(float(shoulder), abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_all_parts_move_with_their_joints(opened, jointed):
     """What is behind the pair is posed by the same joints."""
     show(opened, jointed)

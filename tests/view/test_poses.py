@@ -28,6 +28,7 @@ def interpolated(times, poses, t):
     return screw_between(poses[k], *_twist(poses[k], poses[k + 1]), part)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_interpolation_is_the_motion(name):
     motion = MOTIONS[name]
