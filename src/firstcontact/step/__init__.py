@@ -1,7 +1,7 @@
 """STEP files: their trees of parts, and bodies made of these with proved deviations.
 
 assembly    `load_step`, `from_shape` and what they give
-reader      the tree of a file, by OpenCASCADE; text looks at the file itself first
+reader      the tree of a file, by OpenCASCADE; text looks at the file itself first: its numbers, its occurrences
 solids      faces, edges and vertices of a solid with their entities; what makes it no solid
 bodies      what becomes of a solid: a polyhedron with the file's planes, exact pieces, or triangles
 planar      solids of planes as polyhedra

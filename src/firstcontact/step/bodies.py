@@ -92,6 +92,16 @@ def built(part: Shape, wanted: Wanted) -> tuple[Built, ...]:
 
 
 def _built(solid: StepSolid, wanted: Wanted) -> Built:
+    try:
+        return _of_solid(solid, wanted)
+    except Exception as error:
+        if not type(error).__module__.startswith("OCP."):
+            raise
+        raise InputError(f"{solid.who}: OpenCASCADE gives up ({error}); export the model again, nearer the origin "
+                         "or in a larger unit if its numbers are large") from error  # fmt: skip
+
+
+def _of_solid(solid: StepSolid, wanted: Wanted) -> Built:
     solid.check()
     flat = planar.polyhedron_of(solid)
     if flat is not None:

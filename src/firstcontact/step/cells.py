@@ -144,8 +144,9 @@ def _near_ones(forms: np.ndarray, points: np.ndarray, round_: np.ndarray) -> np.
     value = (image * x).sum(axis=1)
     slope = 2.0 * np.sqrt((image[:, :3] ** 2).sum(axis=1))
     # |radius^2 - r^2| = c is |radius - r| <= sqrt(c), which is less near the tip of a cone, where the slope vanishes
-    nearer = np.sqrt(np.abs(value) / np.maximum(round_, 1e-300))
-    found: np.ndarray = np.sign(value) * np.minimum(np.abs(value) / np.maximum(slope, 1e-300), nearer)
+    with np.errstate(over="ignore"):  # of planes, which are round nowhere
+        nearer = np.sqrt(np.abs(value) / np.maximum(round_, 1e-300))
+        found: np.ndarray = np.sign(value) * np.minimum(np.abs(value) / np.maximum(slope, 1e-300), nearer)
     return found
 
 

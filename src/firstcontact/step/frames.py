@@ -2,8 +2,9 @@
 
 What takes a frame T1 of a part to a frame T2 of the assembly is T2 T1^-1 (ISO 10303-43: `item_defined_transformation`,
 `mapped_item`).  OpenCASCADE makes T1^-1 T2 of it, which is the same where one of them is the world's own frame, as in
-most files; others are written anew with T1 the world's.  It takes no scale and no mirror from a
-`cartesian_transformation_operator_3d`: such files are refused.
+most files; others are written anew with T1 the world's.  It takes nothing at all from a
+`cartesian_transformation_operator_3d` among the former, and neither scale nor mirror from one among the latter: rigid
+ones are written anew as frames, others are refused.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ _ENTITY = re.compile(
 _OPERATOR = re.compile(rb"#(\d+)\s*=\s*(\(?[^;=]*CARTESIAN_TRANSFORMATION_OPERATOR_3D[^;]*);")
 _RELATED = re.compile(rb"\bREPRESENTATION_RELATIONSHIP\s*\(([^;()]*)\)[^;]*_WITH_TRANSFORMATION\s*\(([^;()]*)\)[^;]*;")
 _DATA = re.compile(rb"\bDATA\b.*?\b(?=ENDSEC\b)", re.S)
+NEARLY_ALONG = 1e-9
+"""Of the length of an axis: what is left of it across the others if it has a direction of its own."""
 SAME = 1e-12
 """Of the numbers of two placements: nearer ones are one."""
 
@@ -39,7 +42,7 @@ def mended(path: Path) -> tuple[bytes, list[int]] | None:
         return None
     frames = _Frames(bared(text))
     for found in _OPERATOR.finditer(frames.bare):
-        frames.refuse_scale_and_mirror(path, found)
+        frames.operators[int(found[1])] = frames.operator(path, found)
     changes = frames.changes()
     return frames.written_anew(text, changes) if changes else None
 
@@ -50,6 +53,7 @@ class _Frames:
     def __init__(self, bare: bytes) -> None:
         self.bare = bare
         self.kinds: dict[int, str] = {}
+        self.operators: dict[int, np.ndarray] = {}
         self.spans: dict[int, tuple[int, int]] = {}
         for found in _ENTITY.finditer(bare):
             self.kinds[int(found[1])], self.spans[int(found[1])] = found[2].decode(), found.span(3)
@@ -84,6 +88,7 @@ class _Frames:
             first, second, at = given[2], given[3], 3
         if swapped:
             first, second = second, first
+        always = always or _number(first) in self.operators or _number(second) in self.operators
         origin, target = self.frame(first), self.frame(second)
         if origin is None or target is None:
             return None
@@ -115,20 +120,22 @@ class _Frames:
     # -- what the text says -----------------------------------------------------------------------------------
 
     def frame(self, reference: bytes) -> np.ndarray | None:
-        """(4, 4) of an axis placement; None for anything else."""
+        """(4, 4) of an axis placement or an operator; None for anything else."""
         number = _number(reference)
         given = self.arguments(number)
+        if number in self.operators:
+            return self.operators[number]
         if self.kinds.get(number) != "AXIS2_PLACEMENT_3D" or len(given) != 4:
             return None
         origin = self.vector(given[1])
         z, x = self.vector(given[2], (0.0, 0.0, 1.0)), self.vector(given[3], (1.0, 0.0, 0.0))
         if origin is None or z is None or x is None or not z.any():
             return None
-        z = z / np.linalg.norm(z)
+        z = _unit(z)
         x = x - (x @ z) * z
-        if not np.linalg.norm(x) > 1e-9:
+        if not np.linalg.norm(x) > NEARLY_ALONG:
             return None
-        x = x / np.linalg.norm(x)
+        x = _unit(x)
         pose = np.eye(4)
         pose[:3] = np.column_stack([x, np.cross(z, x), z, origin])
         return pose
@@ -146,7 +153,9 @@ class _Frames:
             return None
         return np.array(found) if len(found) == 3 else None
 
-    def refuse_scale_and_mirror(self, path: Path, found: re.Match[bytes]) -> None:
+    def operator(self, path: Path, found: re.Match[bytes]) -> np.ndarray:
+        """(4, 4) of a cartesian_transformation_operator_3d (ISO 10303-42: `base_axis`).  InputError names one with a
+        scale or a mirror."""
         number, body = int(found[1]), found[2]
         simple = re.match(rb"CARTESIAN_TRANSFORMATION_OPERATOR_3D\s*\((.*)\)\s*$", body, re.S)
         general = re.search(rb"CARTESIAN_TRANSFORMATION_OPERATOR\s*\(([^()]*)\)", body)
@@ -157,13 +166,28 @@ class _Frames:
             given = [b"", b"", b"", *_arguments(general[1]), *_arguments(own[1])]
         if len(given) != 8:
             raise InputError(f"{who} has not the attributes that it needs; export the model again")
-        first, second, _, scale, third = given[3:]
+        first, second, at, scale, third = given[3:]
         hint = "export the model with that part in its size and shape, placed by a rotation and a shift"
         if scale != b"$" and float(scale) != 1.0:
             raise InputError(f"{who} scales what it places by {float(scale):g}; {hint}")
-        axes = [self.vector(x) for x in (first, second, third)]
-        if all(x is not None for x in axes) and np.linalg.det(np.array(axes)) < 0.0:
+        origin, z = self.vector(at), self.vector(third, (0.0, 0.0, 1.0))
+        x, y = self.vector(first, (1.0, 0.0, 0.0)), self.vector(second, (0.0, 1.0, 0.0))
+        if origin is None or x is None or y is None or z is None:
+            raise InputError(f"{who} has not the attributes that it needs; export the model again")
+        if first == b"$" and not z[1:].any():
+            x = np.array((0.0, 1.0, 0.0))
+        axes: list[np.ndarray] = []
+        for axis in (z, x, y):
+            across = axis - sum(((axis @ other) * other for other in axes), np.zeros(3))
+            if not np.linalg.norm(across) > NEARLY_ALONG * np.linalg.norm(axis):
+                raise InputError(f"{who} has two axes in one direction; export the model again")
+            axes.append(_unit(across))
+        z, x, y = axes
+        if np.cross(z, x) @ y < 0.0:
             raise InputError(f"{who} mirrors what it places; {hint}")
+        pose = np.eye(4)
+        pose[:3] = np.column_stack([x, y, z, origin])
+        return pose
 
     # -- as it is read ----------------------------------------------------------------------------------------
 
@@ -198,6 +222,13 @@ class _Frames:
         begin, end = self.spans[number]
         lo, hi = _places(self.bare[begin:end])[at]
         return begin + lo, begin + hi
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    """That of its direction, however short or long it is."""
+    scaled = vector / np.abs(vector).max()
+    unit: np.ndarray = scaled / np.linalg.norm(scaled)
+    return unit
 
 
 def _number(reference: bytes) -> int:

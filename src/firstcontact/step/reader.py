@@ -37,8 +37,11 @@ MISSING = "STEP files and CAD shapes need OpenCASCADE; python -m pip install 'fi
 def need_open_cascade() -> None:
     """InputError that says what to install where OpenCASCADE is not there."""
     try:
+        import OCP.STEPCAFControl
         import OCP.TopoDS  # noqa: F401
     except ImportError as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # Ctrl-C while its library was loaded
+            raise KeyboardInterrupt from error
         raise InputError(MISSING) from error
 
 
@@ -80,19 +83,21 @@ def read(path: Path) -> Read:
     """The tree of the file, all numbers those of the file in its own unit.  InputError says what is broken."""
     need_open_cascade()
     kinds = text.checked(path)
-    import OCP.STEPCAFControl  # noqa: F401 - here, so that the child has it too
-
     with _readable(path, kinds) as file:
         try_apart(lambda: _transferred(path, file), path)
         document, reader, unit = _transferred(path, file)
-    roots = _Tree(document, reader, kinds).roots()
+    tree = _Tree(document, reader, kinds)
+    if (number := tree.entities.left_out()) is not None:
+        entity = f"entity #{number} ({kinds[number]})"
+        raise InputError(f"{path}: OpenCASCADE makes nothing of {entity}; export the model again")
+    roots = tree.roots()
     if not roots:
         raise InputError(f"{path}: holds no shapes; export the model as solids (AP214 or AP242)")
     return Read(roots, unit)
 
 
 @contextmanager
-def _readable(path: Path, kinds: dict[int, str]) -> Iterator[Path]:
+def _readable(path: Path, kinds: text.Entities) -> Iterator[Path]:
     """The file, or one that says the same so that OpenCASCADE understands it; kinds: takes the entities added."""
     changed = frames.mended(path)
     if changed is None:
@@ -177,7 +182,7 @@ def _unit(reader: STEPControl_Reader, path: Path) -> str:
 
 
 class _Tree:
-    def __init__(self, document: TDocStd_Document, reader: STEPControl_Reader, kinds: dict[int, str]) -> None:
+    def __init__(self, document: TDocStd_Document, reader: STEPControl_Reader, kinds: text.Entities) -> None:
         from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
         self.tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
@@ -256,7 +261,7 @@ class _Tree:
 class _Entities:
     """The number of the entity that a shape was made of.  The model has the entities in the order of the file."""
 
-    def __init__(self, reader: STEPControl_Reader, kinds: dict[int, str]) -> None:
+    def __init__(self, reader: STEPControl_Reader, kinds: text.Entities) -> None:
         self.reader, self.kinds = reader, kinds
         self.numbers: dict[TopoDS_TShape, int] | None = None
 
@@ -265,23 +270,44 @@ class _Entities:
             self.numbers = self._all()
         return self.numbers.get(shape.TShape())
 
-    def _all(self) -> dict[TopoDS_TShape, int]:
-        from OCP.STEPConstruct import STEPConstruct
+    def left_out(self) -> int | None:
+        """A solid that represents a part, or a face of one, of which there is no shape; None where there is none."""
+        model = self.reader.StepModel()
+        numbers = dict(enumerate(self.kinds, 1))
+        for number, entity in self._entities():
+            if number not in self.kinds.shown or not hasattr(entity, "Outer"):
+                continue
+            if self._shape(entity) is None:
+                return number
+            shells = [entity.Outer()]
+            if hasattr(entity, "VoidsValue"):
+                shells += [entity.VoidsValue(k + 1) for k in range(entity.NbVoids())]
+            for shell in shells:
+                for k in range(shell.NbCfsFaces()):
+                    if self._shape(face := shell.CfsFacesValue(k + 1)) is None:
+                        return numbers[model.Number(face)]
+        return None
 
+    def _all(self) -> dict[TopoDS_TShape, int]:
+        shapes = ((number, self._shape(entity)) for number, entity in self._entities())
+        return {shape.TShape(): number for number, shape in shapes if shape is not None}
+
+    def _entities(self) -> list[tuple[int, Any]]:
+        """Those of topology with their numbers; none where the model is not as the text."""
         model = self.reader.StepModel()
         if model.NbEntities() != len(self.kinds):
-            return {}
+            return []
+        found = [(n, kind, model.Value(k)) for k, (n, kind) in enumerate(self.kinds.items(), 1) if kind in TOPOLOGY]
+        if any(entity.DynamicType().Name() != TOPOLOGY[kind] for _, kind, entity in found):
+            return []
+        return [(number, entity) for number, _, entity in found]
+
+    def _shape(self, entity: Any) -> TopoDS_Shape | None:
+        from OCP.STEPConstruct import STEPConstruct
+
         process = self.reader.WS().TransferReader().TransientProcess()
-        found = {}
-        for k, (number, kind) in enumerate(self.kinds.items(), 1):
-            if kind in TOPOLOGY:
-                entity = model.Value(k)
-                if entity.DynamicType().Name() != TOPOLOGY[kind]:
-                    return {}
-                shape = STEPConstruct.FindShape_s(process, entity)
-                if shape is not None and not shape.IsNull():
-                    found[shape.TShape()] = number
-        return found
+        shape = STEPConstruct.FindShape_s(process, entity)
+        return None if shape is None or shape.IsNull() else shape
 
 
 TOPOLOGY = {

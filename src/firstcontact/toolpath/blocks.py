@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from flint import fmpq
+from flint import fmpq, fmpz
 
 from firstcontact.errors import InputError
+from firstcontact.exact.numbers import MOST_DIGITS
 from firstcontact.toolpath.moves import Stretch
 
 INCH = fmpq(254, 10)
 """Millimetres."""
+LARGEST = fmpz(2) ** 150
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,13 @@ def lines_of(path: Path) -> Iterator[tuple[int, str]]:
         raise InputError(f"{path}: {(error.strerror or str(error)).lower()}; give the path of a program") from error
 
 
-def number(text: str) -> fmpq:
-    """The exact value of a decimal such as "-12.50"."""
+def number(text: str, fault: Callable[[str, str], Fault]) -> fmpq:
+    """The exact value of a decimal such as "-12.50"; fault: makes an error of its text and what is wrong with it."""
+    if len(text) > MOST_DIGITS:
+        raise fault(f"{text[:20]}...", f"a number of {len(text)} digits; give at most {MOST_DIGITS}")
     sign, digits = (-1, text[1:]) if text[0] == "-" else (1, text.lstrip("+"))
     whole, _, part = digits.partition(".")
-    return fmpq(sign * int(f"{whole}{part}" or "0"), 10 ** len(part))
+    value = fmpq(sign * int(f"{whole}{part}" or "0"), 10 ** len(part))
+    if abs(value.p) >= LARGEST * value.q:
+        raise fault(text if len(text) < 60 else f"{text[:20]}...", "give a number below 2^150")
+    return value

@@ -12,7 +12,7 @@ from pathlib import Path
 from flint import fmpq
 
 from firstcontact.exact.vectors import Vector, add
-from firstcontact.toolpath.blocks import INCH, Block, Fault, lines_of, number
+from firstcontact.toolpath.blocks import INCH, LARGEST, Block, Fault, lines_of, number
 from firstcontact.toolpath.moves import UP, StraightMove, Stretch, Swing, is_half_turn
 
 STILL = {
@@ -103,12 +103,18 @@ def _is_text(statement: str) -> bool:
 
 
 def _numbers(path: Path, line: int, word: str, rest: str) -> list[fmpq]:
+    def fault(told: str, what: str) -> Fault:
+        return Fault(path, line, word, f"{told}: {what}")
+
     made = []
     for text in (x.strip() for x in rest.split(",")):
         if not NUMBER.fullmatch(text):
             raise Fault(path, line, word, f"{text!r} is no number; give x, y, z")
         digits, _, power = text.partition("E")
-        made.append(number(digits) * fmpq(10) ** int(power or 0))
+        value = number(digits, fault) * fmpq(10) ** int(power or 0)
+        if abs(value) >= LARGEST:
+            raise fault(text, "give a number below 2^150")
+        made.append(value)
     return made
 
 

@@ -145,7 +145,7 @@ class _Reader:
             elif letter in words:
                 raise self.fault(f"{letter}{digits}", f"a second {letter} in one block; give one")
             else:
-                words[letter] = digits, number(digits)
+                words[letter] = digits, number(digits, lambda told, what: self.fault(f"{letter}{told}", what))  # noqa: B023
         return words, codes
 
     def _miscellaneous(self, digits: str) -> list[str]:
@@ -249,7 +249,9 @@ class _Reader:
         radius, other = (math.hypot(*(to_double(x[k] - centre[k]) for k in (p, q))) for x in (begin, end))
         word = next((f"{'IJK'[k]}{words['IJK'[k]][0]}" for k in out), f"R{words.get('R', ('',))[0]}")
         most = max(OFF * to_double(m.inch / INCH), OFF_PART * radius)
-        if not radius or abs(radius - other) > most:
+        if not radius:
+            raise self.fault(word, "a circle of radius 0; give the centre as seen from the place where the arc begins")
+        if abs(radius - other) > most:
             raise self.fault(word, f"the end is {abs(radius - other):.4g} off the circle of radius {radius:.6g}")
         angle = (b - a) % (2.0 * math.pi)
         full = begin[p] == end[p] and begin[q] == end[q]

@@ -28,7 +28,7 @@ from firstcontact.pairs.elements.point_line import on_segment
 from firstcontact.pairs.elements.point_plane import on_triangle
 from firstcontact.search.trees.containment import contains, hits_of_ray, parity_of_hits
 from firstcontact.search.trees.elements import VERTEX, Feature, corners_of, vertices_of
-from firstcontact.search.trees.shared_points import NO_AREA, NOWHERE, OPEN, RestingVertices, where_on
+from firstcontact.search.trees.shared_points import NO_AREA, NOWHERE, RestingVertices, where_on
 from firstcontact.search.trees.tree import FACET
 
 # A bare edge among the facets at a point.
@@ -88,10 +88,8 @@ def _at_vertex(resting: RestingVertices, pair: tuple[Feature, Feature]) -> bool 
     star = _Star()
     for k, (body, first) in enumerate(zip(resting.bodies, resting.firsts, strict=True)):
         for primitive, place in _facets_near(resting, k, x, resting.signs[2], resting.signs[3]):
-            if place == OPEN or (place < 0 and not body.solid):
-                return None
             if place < 0:
-                continue
+                return None
             star.facets[k].append(primitive)
             a, b, c = (first + v for v in body.triangles[primitive].tolist())
             for s, (p, q) in enumerate(((a, b), (b, c), (c, a))):
@@ -110,8 +108,8 @@ def _at_crossing(resting: RestingVertices, pair: tuple[Feature, Feature]) -> boo
     star = _Star()
     for k, (body, first, element) in enumerate(zip(resting.bodies, resting.firsts, pair, strict=True)):
         around = resting.facets_around(k, element[1])
-        near = [t for t, place in _facets_near(resting, k, x, err, resting.signs[3][:0]) if place != NO_AREA]
-        if not around or not set(near) <= set(around):
+        near = _facets_near(resting, k, x, err, resting.signs[3][:0])
+        if not around or not {t for t, _ in near} <= set(around) or NO_AREA in {place for _, place in near}:
             return None
         ends = vertices_of(body, element)
         p, q = (first + v for v in ends)
@@ -282,7 +280,7 @@ def _add_exactly(star: _Star, body: object, side: int, primitive: int, vertices:
             for p, q in sides:
                 if not on_segment(x, p, q):
                     star.add(sub(p, x), sub(q, x), side)
-    elif not body.solid:  # type: ignore[attr-defined]
+    else:
         for p, q in sides:
             if p != q and on_segment(x, p, q):
                 star.bare += [(star.index(sub(end, x)), side) for end in (p, q) if end != x]
