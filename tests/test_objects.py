@@ -322,12 +322,22 @@ def test_results_are_equal_where_they_say_the_same():
     assert again != fc.first_contact(CUBE.moving(SLIDE), target.named("other"))
 
 
+def test_tables_of_answers_are_values():
+    target = CUBE.translated((3, 0, 0))
+    for ask in (fc.first_contacts, fc.many_contact_intervals):
+        tables = [ask((CUBE.moving(fc.Translations(way)), target)) for way in ([(4, 0, 0)], [(4, 0, 0)], [(5, 0, 0)])]
+        assert tables[0] == tables[1] and tables[0] != tables[2]
+    with pytest.raises(fc.InputError, match=r"vectors are complex; \(n, 3\) doubles are wanted"):
+        fc.Translations(np.array([[4 + 1j, 0, 0]]))
+
+
 def test_tables_of_answers_pickle_as_columns():
     many = fc.Translations([(4, 0, 0), (0, 4, 0), (8, 0, 0)])
     question = CUBE.moving(many), CUBE.translated((3, 0, 0))
     for table in (fc.first_contacts(question), fc.many_contact_intervals(question)):
         again = pickle.loads(pickle.dumps(table))
         assert type(again) is type(table) and again.to_numpy().tobytes() == table.to_numpy().tobytes()
+        assert again == table and hash(again) == hash(table) and table != [table]
         assert again.counts == table.counts and table[0].status is fc.Status.CONTACT
         with pytest.raises(fc.InputError, match="ask question 1 again"):
             again[1]

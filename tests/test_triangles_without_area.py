@@ -108,3 +108,35 @@ def test_an_edge_inside_a_flat_face_is_none():
     corners = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
     hit = first(mesh(corners, (0, 1, 2), (0, 2, 3)).translated((3, 0, 4)), SHELL, {"exact": True}, (0, 0, -4))
     assert hit.time_exact == F(3, 4) and hit.element_a.kind == "face"
+
+
+SPIKES = [  # segments, and whether an inner point of the cube of edge 2 about the origin is on them
+    ((0, 0, 0), (3, 0, 0), True),
+    ((-2, -2, -2), (2, 1, 2), True),
+    ((-2, 0, 1), (2, 0, 1), False),
+    ((-2, 0, 0), (0, 0, 2), False),
+    ((-2, 0, 1), (2, 0, 0), True),
+    ((1, 1, 1), (0, 0, 0), True),
+    ((1, 1, 1), (2, 0, 0), False),
+    ((-1, -1, -1), (1, 1, 1), True),
+]
+
+
+@pytest.mark.parametrize(("p", "q", "inside"), SPIKES)
+@pytest.mark.parametrize("triangle", [(0, 1, 1), (0, 0, 1), (1, 0, 1), (0, 1, 2), (0, 2, 1), (2, 0, 1)])
+@pytest.mark.parametrize("beside", [False, True])
+def test_a_face_that_is_a_segment_overlaps_what_its_points_are_in(p, q, inside, triangle, beside):
+    """It was said to touch where such a mesh is closed, and to overlap along a face if its middle is a corner of it.
+
+    beside: it belongs to a cube far away.
+    """
+    cube = fc.examples.box((2, 2, 2))
+    far = cube.translated((9, 0, 0))
+    if beside and 2 in triangle:
+        far = fc.Polyhedron(far.vertices, far.triangles, solid=False)
+    corners = [*(far.vertices.tolist() if beside else []), p, q, [(x + y) / 2 for x, y in zip(p, q, strict=True)]]
+    first = len(corners) - 3
+    faces = [*(far.triangles.tolist() if beside else []), [first + k for k in triangle]]
+    spike = fc.Polyhedron(corners, faces).moving(fc.Translation((0, 0, 40)))
+    for hit in (fc.first_contact(spike, cube), fc.first_contact(cube, spike)):
+        assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "overlapping" if inside else "touching")

@@ -119,6 +119,16 @@ class Rows:
             self.later.pop()
         return self
 
+    def __eq__(self, other: object) -> bool:
+        """Of settled rows."""
+        if not isinstance(other, Rows) or type(self) is not type(other):
+            return NotImplemented
+        names = [name for name in self.dtype.names or () if name != "work"]
+        columns = ((self.array[name], other.array[name]) for name in names)
+        return self.errors == other.errors and all(np.array_equal(x, y, equal_nan=True) for x, y in columns)
+
+    __hash__ = None  # type: ignore[assignment] # they are filled
+
     def put(self, where: np.ndarray, rows: Self) -> None:
         """Take over settled answers to the questions `where`."""
         assert not rows.later
@@ -163,6 +173,15 @@ class IntervalRows(Rows):
         if len(found):
             self.found[row] = np.array([(x.start, x.end, *x.start_interval, *x.end_interval) for x in found])
 
+    def __eq__(self, other: object) -> bool:
+        alike = super().__eq__(other)
+        if alike is not True:
+            return alike
+        assert isinstance(other, IntervalRows)
+        return all(np.array_equal(x, other.found[row]) for row, x in self.found.items())
+
+    __hash__ = None
+
     def put(self, where: np.ndarray, rows: Self) -> None:
         super().put(where, rows)
         self.found |= {int(where[row]): found for row, found in rows.found.items()}
@@ -192,6 +211,15 @@ class _Table(Generic[R, A]):
 
     def __reduce__(self) -> tuple[object, ...]:
         return _from_pickle, (type(self), self._rows.settle())
+
+    def __eq__(self, other: object) -> bool:
+        """By the columns but for the work: the questions may be others."""
+        if not isinstance(other, _Table) or type(self) is not type(other):
+            return NotImplemented
+        return bool(self._rows.settle() == other._rows.settle())
+
+    def __hash__(self) -> int:
+        return hash((type(self), len(self)))
 
     def __len__(self) -> int:
         return len(self._rows)

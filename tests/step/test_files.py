@@ -115,12 +115,96 @@ def test_broken_files_end_in_a_line_that_names_the_entity(tmp_path, block):
     assert broken(path, bare) == f"it: entity #{shell} (CLOSED_SHELL) has no faces; export the model again"
     point = entities(block, "CARTESIAN_POINT")[3]
     nan = re.sub(rf"(#{point} = CARTESIAN_POINT\('',\().*?;", r"\1NAN,0.,0.));", text, flags=re.S)
-    assert broken(path, nan).startswith(f"it: entity #{point} (CARTESIAN_POINT) has NAN where a number belongs")
+    assert broken(path, nan).startswith(f"it: entity #{point} (CARTESIAN_POINT) has NAN in the place of a number (as")
     for huge in ("1.E400", "-2.5E+0309"):
         beyond = re.sub(rf"(#{point} = CARTESIAN_POINT\('',\().*?;", rf"\g<1>{huge},0.,0.));", text, flags=re.S)
-        assert broken(path, beyond).startswith(f"it: entity #{point} (CARTESIAN_POINT) has {huge} where a number")
+        assert broken(path, beyond).startswith(f"it: entity #{point} (CARTESIAN_POINT) has {huge} in the place of a")
     curves = text[: text.index("#10 = ")] + "ENDSEC;\nEND-ISO-10303-21;\n"
     assert "which is not in the file" in broken(path, curves) or "holds no" in broken(path, curves)
+
+
+@pytest.fixture
+def placed(tmp_path):
+    """The text of an assembly, and the number of the point where its second pin stands."""
+    text = shapes.assembly(tmp_path / "placed.stp").read_text()
+    frames = re.findall(r"ITEM_DEFINED_TRANSFORMATION\('','',#\d+,#(\d+)\)", text)
+    return text, int(re.search(rf"#{frames[-1]} = AXIS2_PLACEMENT_3D\('',#(\d+),", text)[1])
+
+
+@pytest.mark.parametrize("given", [
+    "$", "*", "'x'", ".T.", "#1", "", "(1.)", "-", "1E1", "1.D1", "1.E", "1.2.3", "1_0.", "1 0.", "LENGTH_MEASURE(1.)",
+    "1.,2.", "1.E46", "-3.0E+101",
+])  # fmt: skip
+def test_what_is_no_number_is_told(tmp_path, placed, given):
+    """OpenCASCADE reads 0, or another number, and the part stands elsewhere."""
+    text, point = placed
+    changed = re.sub(rf"(#{point} = CARTESIAN_POINT\('',\()[^,]*,", rf"\g<1>{given},", text)
+    assert changed != text
+    told = broken(tmp_path / "it.stp", changed)
+    shown = "nothing" if given in ("", "(1.)", "LENGTH_MEASURE(1.)") else given
+    assert told.startswith(f"it: entity #{point} (CARTESIAN_POINT) has {shown}") and "in the place of a" in told
+
+
+@pytest.mark.parametrize("given", ["10", "10.", "+10.0", "1.E1", "1.0e+01", ".1E2", " 10.", "10. /* across */"])
+def test_numbers_as_files_have_them(tmp_path, placed, given):
+    text, point = placed
+    path = tmp_path / "it.stp"
+    path.write_text(re.sub(rf"(#{point} = CARTESIAN_POINT\('',\()[^,]*,", rf"\g<1>{given},", text))
+    other = tmp_path / "other.stp"
+    other.write_text(re.sub(rf"(#{point} = CARTESIAN_POINT\('',\()[^,]*,", r"\g<1>10.0,", text))
+    assert np.array(fc.load_step(path).bounds()).tolist() == np.array(fc.load_step(other).bounds()).tolist()
+
+
+def test_radii_and_measures_are_numbers(tmp_path):
+    text = shapes.write(tmp_path / "pin.stp", shapes.cylinder(2, 3)).read_text()
+    for kind in ("CYLINDRICAL_SURFACE", "CIRCLE", "VECTOR"):
+        own, number, given = re.search(rf"(#(\d+) = {kind}\('',#\d+,)([^)]*)\)", text).groups()
+        changed = text.replace(f"{own}{given})", f"{own}$)")
+        assert broken(tmp_path / "it.stp", changed).startswith(f"it: entity #{number} ({kind}) has $ in the place of a")
+    changed = re.sub(r"LENGTH_MEASURE\([^)]*\)", "LENGTH_MEASURE(*)", text, count=1)
+    assert "has * in the place of a number" in broken(tmp_path / "it.stp", changed)
+
+
+def test_a_part_without_a_place_is_told(tmp_path, placed):
+    text, _ = placed
+    places = re.findall(r"#\d+ = CONTEXT_DEPENDENT_SHAPE_REPRESENTATION\([^;]*;", text)
+    assert len(places) == 3
+    for place in places:
+        told = broken(tmp_path / "it.stp", text.replace(place, ""))
+        assert re.match(r"it: entity #\d+ \(NEXT_ASSEMBLY_USAGE_OCCURRENCE\) uses a part without telling where", told)
+
+
+def test_a_solid_that_is_left_out_is_told(tmp_path, block, monkeypatch):
+    """Of which OpenCASCADE makes nothing, without a word, as of such numbers."""
+    from firstcontact.step import text as checks
+
+    monkeypatch.setattr(checks, "check_numbers", lambda *given: None)
+    vertex = entities(block, "VERTEX_POINT")[0]
+    point = re.search(rf"#{vertex} = VERTEX_POINT\('',#(\d+)\)", block.read_text())[1]
+    far = re.sub(rf"(#{point} = CARTESIAN_POINT\('',\().*?;", r"\g<1>1.E101,0.,0.));", block.read_text(), flags=re.S)
+    told = broken(tmp_path / "it.stp", far)
+    assert re.match(r"it: OpenCASCADE makes nothing of entity #\d+ \(MANIFOLD_SOLID_BREP\)", told)
+
+
+def test_numbers_that_open_cascade_gives_up_over_are_told(tmp_path):
+    path = shapes.write(tmp_path / "pin.stp", shapes.cylinder(1e12, 1e12))
+    with pytest.raises(fc.InputError, match=r"OpenCASCADE gives up \(.*nearer the origin or in a larger unit"):
+        fc.load_step(path).body  # noqa: B018
+
+
+def test_an_interrupt_while_open_cascade_is_loaded_is_one(block, monkeypatch):
+    import builtins
+
+    plain = builtins.__import__
+
+    def interrupted(name, *given, **more):
+        if name == "OCP.STEPCAFControl":
+            raise ImportError("initialization failed") from KeyboardInterrupt()
+        return plain(name, *given, **more)
+
+    monkeypatch.setattr(builtins, "__import__", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        fc.load_step(block)
 
 
 def test_surfaces_without_a_solid_are_not_left_out(tmp_path):

@@ -143,3 +143,44 @@ def test_operators_with_a_scale_or_a_mirror(tmp_path, form, scale, third, fault)
     elif form == "simple":
         pose = np.array([(0, -1, 0, 10), (1, 0, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)], float)
         stands(fc.load_step(path)["pin"], pose)
+
+
+TURNED = {  # axes of an operator, None for its own; what becomes of x, y and z
+    "all": ((0, 1, 0), (-1, 0, 0), (0, 0, 1)),
+    "none": (None, None, None),
+    "the third": (None, None, (0, 1, 0)),
+    "the third along the first": (None, None, (1, 0, 0)),
+    "askew": ((1, 1, 1), (0, 1, 0), (0, 0, 2)),
+}
+POSES = {
+    "all": [(0, -1, 0), (1, 0, 0), (0, 0, 1)],
+    "none": np.eye(3),
+    "the third": None,
+    "the third along the first": None,
+    "askew": [(0.5**0.5, -(0.5**0.5), 0), (0.5**0.5, 0.5**0.5, 0), (0, 0, 1)],
+}
+
+
+@pytest.mark.parametrize("case", TURNED)
+def test_an_operator_in_an_item_defined_transformation(tmp_path, case):
+    """OpenCASCADE leaves it out: the part stood where it was drawn."""
+    text = shapes.assembly(tmp_path / "jig.stp").read_text()
+    given = re.findall(r"#(\d+) = ITEM_DEFINED_TRANSFORMATION\('','',(#\d+),#\d+\);", text)
+    own, frame_ = next(x for x in given[1:] if re.search(rf"_WITH_TRANSFORMATION\(#{x[0]}\)", text))
+    text = re.sub(rf"(#{own} = ITEM_DEFINED_TRANSFORMATION\('','',{frame_}),#\d+\)", r"\1,#92005)", text)
+    lines, names = [], []
+    for k, axis in enumerate(TURNED[case]):
+        names.append("$" if axis is None else f"#{92001 + k}")
+        if axis is not None:
+            lines.append(f"#{92001 + k}=DIRECTION('',({','.join(f'{x}.' for x in axis)}));")
+    lines.append("#92004=CARTESIAN_POINT('',(10.,20.,30.));")
+    operator = f"CARTESIAN_TRANSFORMATION_OPERATOR_3D('','',$,{names[0]},{names[1]},#92004,1.,{names[2]});"
+    path = tmp_path / "own.stp"
+    path.write_text(with_more(text, *lines, f"#92005={operator}"))
+    if POSES[case] is None:  # x and y in place of each other: a mirror, by the standard's defaults
+        with pytest.raises(fc.InputError, match="mirrors what it places|two axes in one direction"):
+            fc.load_step(path)
+        return
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = POSES[case], (10, 20, 30)
+    stands(fc.load_step(path)["pin"], pose)

@@ -200,7 +200,8 @@ def test_what_lands_flat_beside_a_round(side, name):
     else:
         bar = fc.from_shape(shapes.cylinder(0.4, 9), name="bar").translated((5, 0, -2))
         hit = fc.first_contact(bar.moving(fc.Translation((-4, 0, 0))), body)
-        assert hit.time == pytest.approx(1.6 / 4, abs=1e-11)
+        off = hit.model_deviation / 4 if name == "pin" else 1e-11  # along the pin's seam triangles tell
+        assert hit.time == pytest.approx(1.6 / 4, abs=off)
 
 
 def test_a_bar_of_a_file_beside_a_round():

@@ -34,6 +34,7 @@ def test_a_text_does_not_go_on_in_the_next_line(tmp_path):
 FAULTS = {
     "GOTO/1,2": "line 1: GOTO: 2 numbers",
     "GOTO/1,2,x": "line 1: GOTO: 'X' is no number",
+    "GOTO/1,2,1E46": "line 1: GOTO: 1E46: give a number below 2^150",
     "FROM/0,0,0\nGOTO/1,2,3,0,1,0": "line 2: GOTO: a tool axis that is not +z without MULTAX",
     "MULTAX\nFROM/0,0,0\nGOTO/1,2,3,0,0,0": "line 3: GOTO: the tool axis is zero",
     "MULTAX\nFROM/0,0,0,0,1,1\nGOTO/1,2,3,0,-1,-1": "line 3: GOTO: the tool axis turns by half a turn",

@@ -166,6 +166,7 @@ FAULTS = {
     "G2 X1": "line 1: G2: an arc without centre",
     "G2 X1 Y0 I5 R5": "line 1: R5: beside I, J or K",
     "G2 X1 Y0 I5": "line 1: I5: the end is",
+    "G2 X0 Y0 I0 J0": "line 1: I0: a circle of radius 0",
     "G2 X30 R5": "line 1: R5: the end is farther away than two radii",
     "G2 X0 Y0 R5": "line 1: R5: the arc ends where it begins",
     "G2 I5 K1": "line 1: K1: not in the plane G17",
@@ -191,6 +192,16 @@ def test_what_is_not_read_stops_with_line_and_word(tmp_path, text):
     with pytest.raises(fc.InputError, match="job.nc: ") as error:
         blocks_of(tmp_path, text)
     assert FAULTS[text] in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(("digits", "what"), [
+    ("0." + "3" * 4999, "X0.333333333333333333...: a number of 5001 digits; give at most 4000"),
+    ("-1" + "0" * 400, "X-1000000000000000000...: give a number below 2^150"),
+])  # fmt: skip
+def test_numbers_that_are_too_long_or_too_large(tmp_path, digits, what):
+    with pytest.raises(fc.InputError, match="job.nc: ") as error:
+        blocks_of(tmp_path, f"G0 X1\nG0 X{digits} Y0")
+    assert str(error.value).endswith(f"line 2: {what}")
 
 
 def test_places_that_the_program_does_not_tell_are_unknown(tmp_path):

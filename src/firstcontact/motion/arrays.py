@@ -218,6 +218,8 @@ class MovingEach:
 def _doubles(values: Nested, shape: tuple[int, ...], what: str) -> np.ndarray:
     """The values as an array of doubles (n, *shape) of its own; InputError names the first one that is none."""
     wanted = f"({', '.join(map(str, ('n', *shape)))}{',' if not shape else ''})"
+    if isinstance(values, np.ndarray) and np.iscomplexobj(values):
+        raise InputError(f"{what} are complex; {wanted} doubles are wanted")
     try:
         array = np.array(values, float)
     except (TypeError, ValueError, OverflowError) as error:

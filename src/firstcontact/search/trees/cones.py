@@ -28,7 +28,7 @@ from firstcontact.pairs.elements.point_line import on_segment
 from firstcontact.pairs.elements.point_plane import on_triangle
 from firstcontact.search.trees.containment import contains, hits_of_ray, parity_of_hits
 from firstcontact.search.trees.elements import VERTEX, Feature, corners_of, vertices_of
-from firstcontact.search.trees.shared_points import NO_AREA, NOWHERE, RestingVertices, where_on
+from firstcontact.search.trees.shared_points import NOWHERE, RestingVertices, where_on
 from firstcontact.search.trees.tree import FACET
 
 # A bare edge among the facets at a point.
@@ -108,8 +108,8 @@ def _at_crossing(resting: RestingVertices, pair: tuple[Feature, Feature]) -> boo
     star = _Star()
     for k, (body, first, element) in enumerate(zip(resting.bodies, resting.firsts, pair, strict=True)):
         around = resting.facets_around(k, element[1])
-        near = _facets_near(resting, k, x, err, resting.signs[3][:0])
-        if not around or not {t for t, _ in near} <= set(around) or NO_AREA in {place for _, place in near}:
+        near = {t for t, _ in _facets_near(resting, k, x, err, resting.signs[3][:0])}
+        if not around or not near <= set(around) or any(resting.without_area[k][t] for t in around):
             return None
         ends = vertices_of(body, element)
         p, q = (first + v for v in ends)

@@ -51,6 +51,10 @@ _ODD_DENOMINATOR = Kept[fmpz]()
 PAIR_BYTES = 300
 
 
+NEARLY_A_LINE = 1e-12
+"""Of a facet's size times that with its coordinates: far above what doubles make of the area of a line."""
+
+
 class RestingVertices:
     """Two bodies at rest, their vertices one behind the other, and one point more.
 
@@ -88,6 +92,12 @@ class RestingVertices:
         return found[0], found[1]
 
     @cached_property
+    def without_area(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of the facets of each body whether they may have no area."""
+        a, b = self.steepness
+        return _may_be_lines(self.bodies[0], a[1]), _may_be_lines(self.bodies[1], b[1])
+
+    @cached_property
     def around(self) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
         """Of each body the sides of triangles, 3 * triangle + side, in the order of their segments; and whose begin."""
         found = []
@@ -105,6 +115,14 @@ class RestingVertices:
         """The triangles of a body (0: a) that have the segment for a side."""
         order, starts = self.around[side]
         return (order[starts[segment] : starts[segment + 1]] // 3).tolist()
+
+
+def _may_be_lines(body: Polyhedron, areas: np.ndarray) -> np.ndarray:
+    """Of facets with these areas along the axis that they are steepest to, which are as good as lines to doubles."""
+    corners = body.vertices[body.triangles]
+    size = np.ptp(corners, axis=1).max(axis=1)
+    found: np.ndarray = areas <= NEARLY_A_LINE * size * (size + np.abs(corners).max(axis=(1, 2)))
+    return found
 
 
 def _in_parts(a: Polyhedron, b: Polyhedron) -> tuple[fmpz, np.ndarray, np.ndarray, float] | None:
