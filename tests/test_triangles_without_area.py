@@ -140,3 +140,35 @@ def test_a_face_that_is_a_segment_overlaps_what_its_points_are_in(p, q, inside, 
     spike = fc.Polyhedron(corners, faces).moving(fc.Translation((0, 0, 40)))
     for hit in (fc.first_contact(spike, cube), fc.first_contact(cube, spike)):
         assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "overlapping" if inside else "touching")
+
+
+FOLDED = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]]
+"""A tetrahedron pressed flat."""
+
+
+@pytest.mark.parametrize("up", ["0", "1/1000000000000000000000"])
+def test_a_closed_mesh_in_one_plane_holds_nothing(up):
+    """What pierces it was said to overlap it; next to a plane doubles do not tell."""
+    corners = [*FOLDED[0][:2], (1, 1, up), FOLDED[0][3]]
+    flat = up == "0"
+    body = fc.Polyhedron(corners, FOLDED[1])
+    assert body.solid is not flat
+    needle = fc.Polyhedron([(".5", ".5", -1), (".5", ".5", 1)], [], edges=[(0, 1)])
+    for hit in (fc.first_contact(body, needle), fc.first_contact(needle, body)):
+        assert hit.initial == ("touching" if flat else "overlapping")
+
+
+STARTS = [  # bodies that share points at rest, and how
+    (fc.Polyhedron([("-.1", ".2", 0), (".5", 0, 0)], [], edges=[(0, 1)]), fc.sphere(1), "containment"),
+    (fc.Polyhedron([(-2, ".2", 0), (".5", 0, 0)], [], edges=[(0, 1)]), fc.sphere(1), "overlapping"),
+    (fc.Polyhedron([(-1, 0, 0), (".5", 0, 0)], [], edges=[(0, 1)]), fc.sphere(1), "overlapping"),
+    (fc.Polyhedron([(-1, 0, 0), (1, 0, 0), (0, 1, "1/3")], [[0, 1, 2]]), fc.cylinder(1, 2), "overlapping"),
+    (fc.Polyhedron([("-.1", 0, 0), (".1", 0, 0), (0, ".1", "1/3")], [[0, 1, 2]]), fc.cylinder(1, 2), "containment"),
+]
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(("mesh_", "model", "kind"), STARTS)
+def test_edges_and_corners_on_a_surface_tell_how_bodies_start(mesh_, model, kind, way):
+    for hit in (fc.first_contact(mesh_, model, **way), fc.first_contact(model, mesh_, **way)):
+        assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, kind)

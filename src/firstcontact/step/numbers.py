@@ -26,6 +26,8 @@ _SIZES = {
 _SIZED = re.compile(rb"\b(" + b"|".join(_SIZES) + rb")\s*\(([^();]*)\)")
 _MEASURE = re.compile(rb"\b(?:[A-Z_]*(?:LENGTH|ANGLE|RATIO)_MEASURE|PARAMETER_VALUE)\s*\(([^();]*)\)")
 _LARGEST = float(LARGEST)
+MOST_SHOWN = 40
+"""Letters of what is no number."""
 _NO_FACES = re.compile(rb"#(\d+)\s*=\s*(CLOSED_SHELL|OPEN_SHELL)\s*\([^;()]*\(\s*\)\s*\)")
 
 
@@ -40,7 +42,8 @@ def check_numbers(path: Path, data: bytes, text: bytes) -> None:
     if wrong:
         at, end = wrong
         number, kind = DEFINED.findall(data, 0, at)[-1]
-        given = text[at:end].decode(errors="replace").strip() or "nothing"
+        given = " ".join(text[at:end].decode(errors="replace").split()) or "nothing"
+        given = "".join(c if c.isprintable() else "?" for c in given[:MOST_SHOWN]) + "..." * (len(given) > MOST_SHOWN)
         wanted = "a number (as 10. or 1.E1)"
         if _NUMBER.fullmatch(data[at:end]):
             wanted = "a number below 2^150"

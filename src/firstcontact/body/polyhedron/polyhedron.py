@@ -19,6 +19,7 @@ from firstcontact.body.polyhedron.triangulate import shapes, triangulate
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, fraction, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose, is_shift
+from firstcontact.exact.vectors import cross, dot, sub
 from firstcontact.interrupts import interrupted_after
 from firstcontact.motion.value import numbers
 
@@ -34,6 +35,8 @@ _BOX = Kept[tuple[np.ndarray, np.ndarray]]()
 
 # Largest coordinate: error bounds multiply three of them and a time, far from overflow.
 LARGEST = 2.0**150
+# Triangles that tell most meshes to be in no plane, and how thin these are, of their coordinates, if doubles are to.
+FEW, FLATTEST = 64, 1e-9
 # Beyond what products and sums lose below the range of doubles.
 LEAST = 2.0**-1060
 
@@ -48,7 +51,7 @@ class Polyhedron(Placing):
     edges: (k, 2) indices that come first in the numbering, missing face edges are appended; by default the
         sorted unique pairs i < j of face sides.
     solid: whether the body owns its interior; by default when every edge borders an even number of faces,
-        and not every face is listed an even number of times (a warning: by parity they would hold no interior).
+        unless all lie in one plane, or every face is listed an even number of times (a warning: nothing lies inside).
 
     Raises InputError naming the vertex, face or edge.
 
@@ -441,8 +444,22 @@ def _derive(body: Polyhedron, given: np.ndarray | None, solid: bool | None, who:
         if solid:
             raise InputError(f"{text}, but solid=True; list each face once")
         warnings.warn(f"{text}: it is taken as a surface; list each face once", stacklevel=4)
-    body.solid = body._closed and not cancelled if solid is None else bool(solid)
+    # what lies in one plane is a solid where that is asked for
+    body.solid = body._closed and not cancelled and not _is_flat(body) if solid is None else bool(solid)
     body._search = {}
+
+
+def _is_flat(body: Polyhedron) -> bool:
+    """Whether all triangles lie in one plane, or on a line: asked of doubles of some first, then exactly."""
+    some = body.vertices[np.unique(body.triangles[:FEW])]
+    some = some / (float(np.abs(some).max()) or 1.0)
+    if len(some) > 3 and np.linalg.svd(some - some[0], compute_uv=False)[-1] > FLATTEST:
+        return False
+    origin, *points = map(body.exact_vertex, np.unique(body.triangles).tolist())
+    ways = [sub(p, origin) for p in points]
+    first = next((w for w in ways if any(w)), None)
+    normal = None if first is None else next((n for w in ways if any(n := cross(first, w))), None)
+    return normal is None or all(dot(normal, w) == 0 for w in ways)
 
 
 def _cancels(triangles: np.ndarray) -> bool:

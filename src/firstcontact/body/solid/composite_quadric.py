@@ -390,6 +390,10 @@ class CompositeQuadric(Placing):
         """Whether the rational point (x, y, z) is proved to be an inner point of the solid."""
         return self._around(point) == {True} and not self.is_tip(point)  # next to tips `patterns` may miss some
 
+    def is_next_to_outside(self, point: Vector) -> bool:
+        """Whether the rational point (x, y, z) is proved to be outside, or on the surface, of the solid."""
+        return False in self._around(point)
+
     def is_tip(self, point: Vector) -> bool:
         """Whether a surface has no tangent plane at the rational point."""
         x = (*point, ONE)

@@ -42,7 +42,7 @@ from firstcontact.contact.models.touched import ACROSS
 from firstcontact.contact.ways import Passed, Way, answered, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import above, exact_value, fraction
-from firstcontact.exact.rigid import IDENTITY
+from firstcontact.exact.rigid import IDENTITY, apply
 from firstcontact.kernels.convex.mesh_walk import VISITS
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rational import RationalMotion
@@ -233,10 +233,21 @@ class _Answer:
         if self.search.pieces_are_model:
             pieces = self.search.pieces
             inside = np.array([pieces.inside(j, x, slack) for j in range(pieces.count)])
-            triangles = self.mesh.triangles[ours[self.mesh.triangles[:, 0]]]  # each with all corners in one part
-            if len(triangles) > 0 and np.all(np.any(np.all(inside[:, triangles], axis=2), axis=0)):
+            bare = self.mesh.segments[self.mesh.bare_edges()]
+            groups = [x[ours[x[:, 0]]] for x in (self.mesh.triangles, bare)]
+            # each with all corners in one part
+            if any(map(len, groups)) and all(np.all(np.any(np.all(inside[:, x], axis=2), axis=0)) for x in groups):
                 return "containment"
-        return self._kind_by_surroundings(window)
+            ours = ours & ~np.any(inside, axis=0)
+        return "overlapping" if self._reaches_surface(ours) else self._kind_by_surroundings(window)
+
+    def _reaches_surface(self, ours: np.ndarray) -> bool:
+        """Whether one of some of these vertices is outside of the model, or on its surface; True is proved."""
+        standing = Standing(self.moving_mesh, self.moving_model, self.first)
+        if standing.relative is None:
+            return False
+        some = np.flatnonzero(ours)[:MOST_PRISMS].tolist()
+        return any(self.model.is_next_to_outside(apply(standing.relative, self.mesh.exact_vertex(v))) for v in some)
 
     def _kind_by_surroundings(self, window: Window) -> str | None:
         """As `_kind`, where the polyhedron's surface meets the material: what it shares with all around that tells."""
