@@ -147,3 +147,31 @@ def test_the_pose_at_a_jump_is_that_after_it():
     assert INTO(0.49999)[0, 3] == 0
     assert INTO.jumps == (fmpq(1, 2),)
     assert fc.Sequence([fc.Translation((1, 0, 0)), jump()]).jumps == ()
+
+
+THIN = fc.Polyhedron([(-1, -1, 0), (1, -1, 0), (0, 1, 0)], [[0, 1, 2]])
+AWAY = {
+    "mesh": fc.examples.box((2, 2, 2)), "sheet": THIN, "point": fc.Polyhedron([(0, 0, 0)], []),
+    "box": fc.box((2, 2, 2)), "ball": fc.sphere(1), "ring": fc.torus(2, 1).translated((2, 0, 0)),
+    "ruled": fc.RuledSurface("(u,-1,0)", "(u,1,0)"),
+}  # fmt: skip
+
+
+@pytest.mark.share(3)
+@pytest.mark.parametrize("name", AWAY)
+@pytest.mark.parametrize("other", ["mesh", "point", "ball", "ring"])
+def test_times_between_two_jumps_are_free(name, other):
+    """Of meshes a contact that ends with one step and one that begins with the next but one were told as one."""
+    if (name, other) == ("ruled", "point"):
+        pytest.skip("not taken")
+    away = fc.Sequence([jump(), jump(9), jump(-9)])
+    for a, b in ((AWAY[name].moving(away), AWAY[other]), (AWAY[other], AWAY[name].moving(away))):
+        found = fc.contact_intervals(a, b)
+        assert [(x.start, x.end) for x in found] == [(0, 1 / 3), (2 / 3, 1)] and found.status is Status.INITIAL_CONTACT
+        assert fc.first_contact(a, b, (0.4, 0.6)).status is Status.FREE
+
+
+def test_an_interval_that_ends_with_its_step_and_one_after_a_free_step():
+    slides = fc.Sequence([jump(-9, ahead=(8, 0, 0)), jump(9), jump(-8), jump(1)])
+    found = fc.contact_intervals(AWAY["mesh"].moving(slides), AWAY["mesh"], exact=True)
+    assert [(x.start_exact, x.end_exact) for x in found] == [(F(7, 32), F(1, 4)), (F(1, 2), 1)]

@@ -224,15 +224,16 @@ def join(out: list[JoinedInterval], problem: Problem, windows: list[Window], wor
             if work.left == 0:
                 work.free_until = problem.world_instant(start, turn)[1][0]
             work.step()
-        if out and turn == 0 and start.is_zero() and out[-1].end[0] is not problem and _ends_piece(out[-1]):
+        if out and turn == 0 and start.is_zero() and _ends_before(out[-1], problem):
             out[-1] = JoinedInterval(out[-1].start, (problem, end, last))
         else:
             out.append(JoinedInterval((problem, start, turn), (problem, end, last)))
 
 
-def _ends_piece(interval: JoinedInterval) -> bool:
+def _ends_before(interval: JoinedInterval, following: Problem) -> bool:
+    """Whether it ends with its piece, and the piece of the following problem is the next one."""
     problem, instant, turn = interval.end
-    return problem.is_end(instant, turn)
+    return problem.is_end(instant, turn) and problem.piece.end == following.piece.start
 
 
 def interval_of(joined: JoinedInterval, exact: bool) -> ContactInterval:
