@@ -55,7 +55,7 @@ def test_patches_may_be_thin(width, exact):
 
 @pytest.mark.share(5)
 @pytest.mark.parametrize("exact", [False, True])
-@pytest.mark.parametrize("width", [F(1, 100), F(1, 10**6), F(1, 10**8), F(1, 10**10)])
+@pytest.mark.parametrize("width", [F(1, 10**8), F(1, 100), F(1, 10**6), F(1, 10**10)])
 def test_lenses_may_be_thin(width, exact):
     """A disc that lands by so much on the rim of another one, on an edge, and on the sides of a square hole."""
     aside = DISC.translated((2 - width, 0, 4))

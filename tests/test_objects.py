@@ -327,6 +327,9 @@ def test_tables_of_answers_are_values():
     for ask in (fc.first_contacts, fc.many_contact_intervals):
         tables = [ask((CUBE.moving(fc.Translations(way)), target)) for way in ([(4, 0, 0)], [(4, 0, 0)], [(5, 0, 0)])]
         assert tables[0] == tables[1] and tables[0] != tables[2]
+    longer = fc.examples.box((2, 1, 1)).translated((3.5, 0, 0))  # as far away, and longer
+    way = CUBE.moving(fc.Translations([(8, 0, 0)]))
+    assert fc.many_contact_intervals((way, target)) != fc.many_contact_intervals((way, longer))
     with pytest.raises(fc.InputError, match=r"vectors are complex; \(n, 3\) doubles are wanted"):
         fc.Translations(np.array([[4 + 1j, 0, 0]]))
 

@@ -174,6 +174,50 @@ def test_a_part_without_a_place_is_told(tmp_path, placed):
         assert re.match(r"it: entity #\d+ \(NEXT_ASSEMBLY_USAGE_OCCURRENCE\) uses a part without telling where", told)
 
 
+def test_an_assembly_without_a_place_is_told(tmp_path, placed):
+    """Nor does it have a shape of its own: its parts have."""
+    text, _ = placed
+    whole, name = re.search(r"#(\d+) = (PRODUCT_DEFINITION\('design','',#\d+,#\d+\));", text).groups()
+    shown = re.search(rf"#(\d+) = PRODUCT_DEFINITION_SHAPE\('[^']*','[^']*',#{whole}\)", text)[1]
+    bare = re.sub(rf"#\d+ = SHAPE_DEFINITION_REPRESENTATION\(#{shown},[^;]*;", "", text)
+    more = f"#95001={name};\n#95002=NEXT_ASSEMBLY_USAGE_OCCURRENCE('1','','',#95001,#{whole},$);\nENDSEC;\nEND-ISO"
+    told = broken(tmp_path / "it.stp", bare.replace("ENDSEC;\nEND-ISO", more))
+    assert told.startswith("it: entity #95002 (NEXT_ASSEMBLY_USAGE_OCCURRENCE) uses a part without telling where")
+
+
+def test_what_represents_nothing_need_have_no_shape(tmp_path, block):
+    shell = entities(block, "CLOSED_SHELL")[0]
+    path = tmp_path / "it.stp"
+    more = f"#95001=MANIFOLD_SOLID_BREP('spare',#{shell});\nENDSEC;\nEND-ISO"
+    path.write_text(block.read_text().replace("ENDSEC;\nEND-ISO", more))
+    assert len(fc.load_step(path).body.pieces) == 1
+
+
+def test_knots_are_doubles(tmp_path, block):
+    point = entities(block, "CARTESIAN_POINT")[0]
+    curve = f"B_SPLINE_CURVE_WITH_KNOTS('',1,(#{point},#{point}),.UNSPECIFIED.,.F.,.F.,(2,2),(0.,1.E400),.UNSPECIFIED.)"
+    text = block.read_text().replace("ENDSEC;\nEND-ISO", f"#95001={curve};\nENDSEC;\nEND-ISO")
+    assert broken(tmp_path / "it.stp", text).startswith("it: entity #95001 (B_SPLINE_CURVE_WITH_KNOTS) has 1.E400 in")
+
+
+def test_a_mapped_item_is_a_place(tmp_path, placed):
+    """The assembly itself holds the part there."""
+    text, _ = placed
+    whole = fc.load_step(tmp_path / "placed.stp").bounds()
+    related = re.findall(
+        r"REPRESENTATION_RELATIONSHIP\('','',#(\d+),#(\d+)\)\s*"
+        r"REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION\(#(\d+)\)", text,
+    )  # fmt: skip
+    part, parent, transformation = related[-1]
+    frames = re.search(rf"#{transformation} = ITEM_DEFINED_TRANSFORMATION\('','',(#\d+),(#\d+)\)", text)
+    place = re.findall(r"#\d+ = CONTEXT_DEPENDENT_SHAPE_REPRESENTATION\([^;]*;", text)[-1]
+    more = f"#91001=REPRESENTATION_MAP({frames[1]},#{part});\n#91002=MAPPED_ITEM('',#91001,{frames[2]});\n"
+    text = re.sub(rf"(#{parent} = SHAPE_REPRESENTATION\('',\()", r"\g<1>#91002,", text.replace(place, more))
+    path = tmp_path / "it.stp"
+    path.write_text(text)
+    assert np.array(fc.load_step(path).bounds()) == pytest.approx(np.array(whole), abs=1e-9)
+
+
 def test_a_solid_that_is_left_out_is_told(tmp_path, block, monkeypatch):
     """Of which OpenCASCADE makes nothing, without a word, as of such numbers."""
     from firstcontact.step import text as checks
@@ -184,6 +228,15 @@ def test_a_solid_that_is_left_out_is_told(tmp_path, block, monkeypatch):
     far = re.sub(rf"(#{point} = CARTESIAN_POINT\('',\().*?;", r"\g<1>1.E101,0.,0.));", block.read_text(), flags=re.S)
     told = broken(tmp_path / "it.stp", far)
     assert re.match(r"it: OpenCASCADE makes nothing of entity #\d+ \(MANIFOLD_SOLID_BREP\)", told)
+
+
+def test_a_face_that_is_left_out_is_told(tmp_path, block):
+    """As one on no surface is."""
+    text, face = block.read_text(), entities(block, "ADVANCED_FACE")[1]
+    bare = re.sub(rf"(#{face} = ADVANCED_FACE\('',\([^)]*\)),#\d+,", r"\1,$,", text)
+    assert bare != text
+    told = broken(tmp_path / "it.stp", bare)
+    assert told == f"it: OpenCASCADE makes nothing of entity #{face} (ADVANCED_FACE); export the model again"
 
 
 def test_numbers_that_open_cascade_gives_up_over_are_told(tmp_path):

@@ -12,11 +12,12 @@ from firstcontact.step.words import DEFINED
 
 _REAL = rb"\s*[-+]?(?:\d+\.\d*(?:E[-+]?\d+)?|\.\d+(?:E[-+]?\d+)?|\d+)\s*"
 _NUMBER = re.compile(_REAL, re.I)
-_BEYOND = re.compile(rb"[^E]*E\+?0*(?:[1-9]\d{3,}|[4-9]\d\d|3[1-9]\d|30[89])\s*", re.I)  # of the range of doubles
+_BEYOND = rb"\s*[-+]?[\d.]+E\+?0*(?:[1-9]\d{3,}|[4-9]\d\d|3[1-9]\d|30[89])\s*(?=[,)])"  # of the range of doubles
 _LIKE_A_NUMBER = re.compile(
-    rb"[(,](?!" + _REAL + rb"[,)])(\s*(?:[-+.]*\d|[-+]\s*[,)]|[-+]?(?:NAN|INF(?:INITY)?)\b)[^,()]*)", re.I
+    rb"[(,](" + _BEYOND + rb"|(?!" + _REAL + rb"[,)])\s*(?:[-+.]*\d|[-+]\s*[,)]|[-+]?(?:NAN|INF(?:INITY)?)\b)[^,()]*)",
+    re.I,
 )
-"""What begins as a number, or has the name of none."""
+"""What begins as a number and is none, or no double, or has the name of none."""
 _POINT = re.compile(rb"\b(?:CARTESIAN_POINT|DIRECTION)\s*\([^();]*(?:\(([^();]*)\))?")
 _SIZES = {
     b"CIRCLE": 1, b"ELLIPSE": 2, b"HYPERBOLA": 2, b"PARABOLA": 1, b"VECTOR": 1, b"CYLINDRICAL_SURFACE": 1,
@@ -28,17 +29,13 @@ _MEASURE = re.compile(rb"\b(?:[A-Z_]*(?:LENGTH|ANGLE|RATIO)_MEASURE|PARAMETER_VA
 _LARGEST = float(LARGEST)
 MOST_SHOWN = 40
 """Letters of what is no number."""
-_NO_FACES = re.compile(rb"#(\d+)\s*=\s*(CLOSED_SHELL|OPEN_SHELL)\s*\([^;()]*\(\s*\)\s*\)")
-
 
 
 def check_numbers(path: Path, data: bytes, text: bytes) -> None:
-    """InputError where OpenCASCADE would read 0, or something else, for what is no number, leave out what has numbers
-    of a size that it takes for none, or a shell without faces.  text: what `data` is with its strings."""
-    empty = _NO_FACES.search(data)
-    if empty:
-        raise InputError(f"{path}: entity #{int(empty[1])} ({empty[2].decode()}) has no faces; export the model again")
-    wrong = min((x for x in (_not_a_number(data), _no_point(data), _no_size(data)) if x), default=None)
+    """InputError where OpenCASCADE would read 0, or something else, for what is no number, or leave out what has
+    numbers of a size that it takes for none.  text: what `data` is with its strings."""
+    odd = _LIKE_A_NUMBER.search(data)
+    wrong = min((x for x in (odd and odd.span(1), _no_point(data), _no_size(data)) if x), default=None)
     if wrong:
         at, end = wrong
         number, kind = DEFINED.findall(data, 0, at)[-1]
@@ -55,16 +52,6 @@ def check_numbers(path: Path, data: bytes, text: bytes) -> None:
 
 Wrong = tuple[int, int]
 """Where what is no number begins and ends."""
-
-
-def _not_a_number(data: bytes) -> Wrong | None:
-    """Anywhere, or a number that is no double."""
-    for found in _LIKE_A_NUMBER.finditer(data):
-        return found.span(1)
-    for found in re.finditer(rb"[(,](" + _REAL + rb")(?=[,)])", data, re.I):
-        if _BEYOND.fullmatch(found[1]):
-            return found.span(1)
-    return None
 
 
 def _no_point(data: bytes) -> Wrong | None:

@@ -13,6 +13,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -272,9 +273,8 @@ class _Entities:
 
     def left_out(self) -> int | None:
         """A solid that represents a part, or a face of one, of which there is no shape; None where there is none."""
-        model = self.reader.StepModel()
-        numbers = dict(enumerate(self.kinds, 1))
-        for number, entity in self._entities():
+        numbers = {entity: number for number, entity in self._topology}
+        for entity, number in numbers.items():
             if number not in self.kinds.shown or not hasattr(entity, "Outer"):
                 continue
             if self._shape(entity) is None:
@@ -282,18 +282,19 @@ class _Entities:
             shells = [entity.Outer()]
             if hasattr(entity, "VoidsValue"):
                 shells += [entity.VoidsValue(k + 1) for k in range(entity.NbVoids())]
-            for shell in shells:
-                for k in range(shell.NbCfsFaces()):
-                    if self._shape(face := shell.CfsFacesValue(k + 1)) is None:
-                        return numbers[model.Number(face)]
+            faces = (shell.CfsFacesValue(k + 1) for shell in shells for k in range(shell.NbCfsFaces()))
+            lost = next((face for face in faces if self._shape(face) is None), None)
+            if lost is not None:
+                return numbers.get(lost, number)
         return None
 
     def _all(self) -> dict[TopoDS_TShape, int]:
-        shapes = ((number, self._shape(entity)) for number, entity in self._entities())
+        shapes = ((number, self._shape(entity)) for number, entity in self._topology)
         return {shape.TShape(): number for number, shape in shapes if shape is not None}
 
-    def _entities(self) -> list[tuple[int, Any]]:
-        """Those of topology with their numbers; none where the model is not as the text."""
+    @cached_property
+    def _topology(self) -> list[tuple[int, Any]]:
+        """The entities of topology with their numbers; none where the model is not as the text."""
         model = self.reader.StepModel()
         if model.NbEntities() != len(self.kinds):
             return []

@@ -11,6 +11,7 @@ from firstcontact.step.numbers import check_numbers
 from firstcontact.step.occurrences import check_places
 from firstcontact.step.words import DEFINED, REPRESENTATION, USED
 
+_NO_FACES = re.compile(rb"#(\d+)\s*=\s*(CLOSED_SHELL|OPEN_SHELL)\s*\([^;()]*\(\s*\)\s*\)")
 _HIDDEN = re.compile(rb"'(?:[^']|'')*'|/\*.*?\*/", re.S)
 
 
@@ -35,6 +36,8 @@ def checked(path: Path) -> Entities:
     if b"END-ISO-10303-21" not in bare:
         last = f"in or after entity #{list(kinds)[-1]}" if kinds else "before any entity"
         raise InputError(f"{path}: the file ends {last}, without END-ISO-10303-21; it was cut off: export it again")
+    if empty := _NO_FACES.search(bare, max(data, 0)):  # OpenCASCADE leaves it out
+        raise InputError(f"{path}: entity #{int(empty[1])} ({empty[2].decode()}) has no faces; export the model again")
     check_numbers(path, bare[max(data, 0) :], text[max(data, 0) :])
     check_places(path, bare[max(data, 0) :])
     for number in USED.findall(bare, max(data, 0)):

@@ -6,15 +6,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from flint import fmpq, fmpz
+from flint import fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import MOST_DIGITS
+from firstcontact.motion.translation import LARGEST
 from firstcontact.toolpath.moves import Stretch
 
 INCH = fmpq(254, 10)
 """Millimetres."""
-LARGEST = fmpz(2) ** 150
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,14 @@ def lines_of(path: Path) -> Iterator[tuple[int, str]]:
 
 
 def number(text: str, fault: Callable[[str, str], Fault]) -> fmpq:
-    """The exact value of a decimal such as "-12.50"; fault: makes an error of its text and what is wrong with it."""
+    """The exact value of "-12.50" or "1.5E-3"; fault: makes an error of the text and what is wrong with it."""
     if len(text) > MOST_DIGITS:
         raise fault(f"{text[:20]}...", f"a number of {len(text)} digits; give at most {MOST_DIGITS}")
-    sign, digits = (-1, text[1:]) if text[0] == "-" else (1, text.lstrip("+"))
+    digits, _, power = text.partition("E")
+    sign, digits = (-1, digits[1:]) if digits[0] == "-" else (1, digits.lstrip("+"))
     whole, _, part = digits.partition(".")
     value = fmpq(sign * int(f"{whole}{part}" or "0"), 10 ** len(part))
-    if abs(value.p) >= LARGEST * value.q:
+    value = value * fmpq(10) ** int(power) if power else value
+    if abs(value) >= LARGEST:
         raise fault(text if len(text) < 60 else f"{text[:20]}...", "give a number below 2^150")
     return value

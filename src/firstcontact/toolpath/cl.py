@@ -12,7 +12,7 @@ from pathlib import Path
 from flint import fmpq
 
 from firstcontact.exact.vectors import Vector, add
-from firstcontact.toolpath.blocks import INCH, LARGEST, Block, Fault, lines_of, number
+from firstcontact.toolpath.blocks import INCH, Block, Fault, lines_of, number
 from firstcontact.toolpath.moves import UP, StraightMove, Stretch, Swing, is_half_turn
 
 STILL = {
@@ -110,11 +110,7 @@ def _numbers(path: Path, line: int, word: str, rest: str) -> list[fmpq]:
     for text in (x.strip() for x in rest.split(",")):
         if not NUMBER.fullmatch(text):
             raise Fault(path, line, word, f"{text!r} is no number; give x, y, z")
-        digits, _, power = text.partition("E")
-        value = number(digits, fault) * fmpq(10) ** int(power or 0)
-        if abs(value) >= LARGEST:
-            raise fault(text, "give a number below 2^150")
-        made.append(value)
+        made.append(number(text, fault))
     return made
 
 

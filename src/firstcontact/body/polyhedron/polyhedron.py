@@ -35,7 +35,7 @@ _BOX = Kept[tuple[np.ndarray, np.ndarray]]()
 
 # Largest coordinate: error bounds multiply three of them and a time, far from overflow.
 LARGEST = 2.0**150
-# Triangles that tell most meshes to be in no plane, and how thin these are, of their coordinates, if doubles are to.
+# Triangles that tell most meshes to be in no plane; and how thick these are, of their coordinates, where doubles tell.
 FEW, FLATTEST = 64, 1e-9
 # Beyond what products and sums lose below the range of doubles.
 LEAST = 2.0**-1060
@@ -450,16 +450,22 @@ def _derive(body: Polyhedron, given: np.ndarray | None, solid: bool | None, who:
 
 
 def _is_flat(body: Polyhedron) -> bool:
-    """Whether all triangles lie in one plane, or on a line: asked of doubles of some first, then exactly."""
-    some = body.vertices[np.unique(body.triangles[:FEW])]
-    some = some / (float(np.abs(some).max()) or 1.0)
-    if len(some) > 3 and np.linalg.svd(some - some[0], compute_uv=False)[-1] > FLATTEST:
-        return False
-    origin, *points = map(body.exact_vertex, np.unique(body.triangles).tolist())
+    """Whether all triangles lie in one plane, or on a line: by the doubles of a few, then of all, then exactly."""
+    for triangles in (body.triangles[:FEW], body.triangles):
+        used = np.unique(triangles)
+        if _has_depth(body.vertices[used]):
+            return False
+    origin, *points = map(body.exact_vertex, used.tolist())
     ways = [sub(p, origin) for p in points]
     first = next((w for w in ways if any(w)), None)
     normal = None if first is None else next((n for w in ways if any(n := cross(first, w))), None)
     return normal is None or all(dot(normal, w) == 0 for w in ways)
+
+
+def _has_depth(places: np.ndarray) -> bool:
+    """Whether doubles tell that points are in no plane."""
+    scaled = places / (float(np.abs(places).max()) or 1.0)
+    return len(places) > 3 and bool(np.linalg.svd(scaled - scaled[0], compute_uv=False)[-1] > FLATTEST)
 
 
 def _cancels(triangles: np.ndarray) -> bool:

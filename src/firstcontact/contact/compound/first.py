@@ -67,7 +67,32 @@ def first(query: Query) -> FirstContact:
         if query.progress is not None and k + 1 < len(asked):
             query.progress(min(below(asked[k + 1].first), query.span[1] if end is None else above(end)), k + 1)
     found = combined(query, sides, told, lambda: _is_within_deviation(query))
+    if found.reason == "precision" and (closer := _more_closely(query, sides, told)) is not None:
+        found = combined(query, sides, closer, lambda: _is_within_deviation(query))
     return found if found.status is not Status.UNDECIDED else _by_triangles(query, found)
+
+
+def _more_closely(
+    query: Query, sides: tuple[CompoundSide, CompoundSide], told: Sequence[PieceAnswer]
+) -> list[PieceAnswer] | None:
+    """The answers with their first contact asked about in a short span around it: an enclosure as wide as is allowed
+    leaves no room for what others leave open just before.  None where there is no such answer."""
+    from firstcontact.contact import table
+
+    met = [(x.found.time_interval, x) for x in told if x.found.time_interval is not None]
+    if not met or query.budget is not None:
+        return None
+    (lo, hi), first = min(met, key=lambda x: x[0][1])
+    begin, end = exact_value(lo), exact_value(hi)
+    around = replace(first.window, first=max(2 * begin - end, first.window.first), last=2 * end - begin)
+    found = _asked(table.first_contact, _about(query, sides, around, query.last, None))
+    if found.status is not Status.CONTACT or found.time_interval is None:
+        return None
+    lo, hi = max(lo, found.time_interval[0]), min(hi, found.time_interval[1])
+    if found.time is None or not lo <= found.time <= hi:
+        return None
+    closer = replace(first, found=replace(found, time_interval=(lo, hi), free_until=lo))
+    return [closer if x is first else x for x in told]
 
 
 def _by_triangles(query: Query, found: FirstContact) -> FirstContact:
