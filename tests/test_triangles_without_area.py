@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import random
 from fractions import Fraction as F
 
 import pytest
 
 import firstcontact as fc
+from amount import amount
 
 HOLLOW = fc.box((9, 9, 9)) - fc.sphere(2)
 BALL = fc.sphere(1).translated((3, 0, 0))
@@ -140,6 +142,44 @@ def test_a_face_that_is_a_segment_overlaps_what_its_points_are_in(p, q, inside, 
     spike = fc.Polyhedron(corners, faces).moving(fc.Translation((0, 0, 40)))
     for hit in (fc.first_contact(spike, cube), fc.first_contact(cube, spike)):
         assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "overlapping" if inside else "touching")
+
+
+def reaches_inside(p, q):
+    """Whether a segment has a point in the open cube |x|, |y|, |z| < 1, by the times at which it is between each pair
+    of planes, in fractions."""
+    lo, hi, is_open = F(0), F(1), False
+    for a, b in zip(map(F, p), map(F, q), strict=True):
+        if a == b:
+            if not -1 < a < 1:
+                return False
+            continue
+        enter, leave = sorted([(-1 - a) / (b - a), (1 - a) / (b - a)])
+        if enter >= lo:
+            lo, is_open = enter, True
+        hi = min(hi, leave)
+        if lo > 1 or leave <= 0:
+            return False
+    return lo < hi or (lo == hi and not is_open)
+
+
+@pytest.mark.parametrize("seed", range(amount(60)))
+def test_random_segments_that_are_faces(seed):
+    rng = random.Random(seed)
+    cube = fc.examples.box((2, 2, 2))
+    for _ in range(10):
+        p, q = ([F(rng.randint(-4, 4), 2) for _ in range(3)] for _ in range(2))
+        share = F(rng.randint(0, 4), 4)
+        corners = [p, q, [x + share * (y - x) for x, y in zip(p, q, strict=True)]]
+        triangle = rng.choice([(0, 1, 1), (1, 0, 0), (0, 1, 2), (2, 1, 0), (1, 2, 0)])
+        body = fc.Polyhedron([list(map(str, c)) for c in corners], [triangle])
+        hit = fc.first_contact(body, cube) if rng.random() < 0.5 else fc.first_contact(cube, body)
+        inside = reaches_inside(p, q)
+        if hit.status is fc.Status.FREE:
+            assert not inside, (p, q)
+        else:
+            within = all(-1 < x < 1 for c in (p, q) for x in c)
+            kind = "containment" if within else "overlapping" if inside else "touching"
+            assert hit.initial == kind, (p, q, triangle, hit.initial)
 
 
 FOLDED = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]]
