@@ -49,7 +49,6 @@ PASSING = {
 }  # fmt: skip
 
 
-@pytest.mark.share(9)
 @pytest.mark.parametrize("name", PASSING)
 def test_a_graze_a_miss_and_a_hit(name):
     touch, miss, hit = (fc.first_contact(*PASSING[name](gap)) for gap in (0, TINY, -TINY))
@@ -59,6 +58,21 @@ def test_a_graze_a_miss_and_a_hit(name):
     assert hit.status is fc.Status.CONTACT and 0.5 - 1e-6 < hit.time < 0.5
     assert hit.time_interval[1] - hit.time_interval[0] <= 1e-12
     assert {hit.element_a.kind, touch.element_a.kind} == {"edge" if name == "cone's rim" else "face"}
+
+
+LONG = {"ellipsoid": fc.ellipsoid((1, 2, 1)), "cylinder": fc.cylinder((1, 2), 2)}
+
+
+@pytest.mark.parametrize("name", LONG)
+@pytest.mark.parametrize("degrees", [90, 180])
+@pytest.mark.parametrize("scale", [F(1), F(1, 3), F(10**6)])
+def test_what_is_longest_across_grazes_a_wall_after_a_quarter_turn(name, degrees, scale):
+    """In both orders: next to a graze so gentle the bodies counted as touching all along, and nothing was proved."""
+    body = LONG[name].transformed([[scale, 0, 0, 0], [0, scale, 0, 0], [0, 0, scale, 0], [0, 0, 0, 1]])
+    moving = body.moving(fc.Screw(Z, degrees=degrees, advance=scale))
+    wall = fc.box((scale, 8 * scale, 8 * scale)).translated((F(5, 2) * scale, 0, 0))
+    for hit in (fc.first_contact(moving, wall), fc.first_contact(wall, moving)):
+        assert hit.status is fc.Status.CONTACT and hit.time == 90 / degrees
 
 
 @pytest.mark.share(4)

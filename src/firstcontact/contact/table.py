@@ -63,7 +63,7 @@ PAIRS = {
     (Kind.MODEL, Kind.TORUS): Pair("torus", (CERTIFIED, CERTIFIED, NOT, NOT)),
     (Kind.RULED, Kind.TORUS): Pair("torus", (CERTIFIED, CERTIFIED, NOT, NOT)),
     (Kind.TORUS, Kind.TORUS): Pair("torus", (CERTIFIED, CERTIFIED, NOT, NOT)),
-    (Kind.MESH, Kind.PART): Pair("compound", (PIECES, CERTIFIED, NOT, NOT)),
+    (Kind.MESH, Kind.PART): Pair("compound", (PIECES, PIECES, NOT, NOT)),
     (Kind.MODEL, Kind.PART): Pair("compound", (PIECES, PIECES, NOT, NOT)),
     (Kind.RULED, Kind.PART): Pair("compound", (PIECES, PIECES, NOT, NOT)),
     (Kind.TORUS, Kind.PART): Pair("compound", (CERTIFIED, CERTIFIED, NOT, NOT)),

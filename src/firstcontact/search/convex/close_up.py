@@ -21,6 +21,8 @@ NEAR = fmpq(1, 20)
 """Of the step of the motion: how far off an extremum may be."""
 SURE = fmpq(1, 2 ** (BITS // 2 + 32))
 """Of the size: a separation at an extremum that is less counts as zero until it is proved."""
+ROUNDED = fmpq(1, 2 ** (BITS - 56))
+"""Of the size: a separation at a given time that is less counts as zero; a graze has more at the ends of its CORE."""
 CORE = fmpq(1, 2**80)
 """Of the step of the motion: the time around such an extremum in which nothing is proved."""
 PAST = 1e-8
@@ -181,7 +183,7 @@ class CloseUp:
     def _touch(self, t: fmpq, hints: list[State]) -> bool:
         """Whether s counts as zero at t, so that neither contact nor none is proved there."""
         state = self._state_at(t, hints)
-        return state is not None and abs(state.s) <= SURE * exact_value(self.separation.size)
+        return state is not None and abs(state.s) <= ROUNDED * exact_value(self.separation.size)
 
     def _holds(self, lo: fmpq, hi: fmpq, contact: bool, hints: list[State]) -> bool:
         """Whether contact, or none, is proved over [lo, hi]: in halves, where it is not at once."""
