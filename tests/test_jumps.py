@@ -175,3 +175,45 @@ def test_an_interval_that_ends_with_its_step_and_one_after_a_free_step():
     slides = fc.Sequence([jump(-9, ahead=(8, 0, 0)), jump(9), jump(-8), jump(1)])
     found = fc.contact_intervals(AWAY["mesh"].moving(slides), AWAY["mesh"], exact=True)
     assert [(x.start_exact, x.end_exact) for x in found] == [(F(7, 32), F(1, 4)), (F(1, 2), 1)]
+
+
+KINDS = {
+    "mesh": fc.examples.box((2, 2, 2)), "ball": fc.sphere(1), "torus": fc.torus(1, "1/2"),
+    "ruled": fc.RuledSurface("(u, 0, 0)", "(u, 1, 1)"),
+}  # fmt: skip
+"""All come near (1/2, 1/2, 1/2), and lie within 2 of the origin."""
+WALLS = {**KINDS, "ruled": fc.RuledSurface("(u, 0, 1)", "(u, 1, 0)")}
+STRAIGHT_OR_TURNING = {"straight": fc.Translation((2, 0, 0)), "turning": fc.Screw((1, 0, 0), degrees=37, advance=2)}
+
+
+@pytest.mark.share(4)
+@pytest.mark.parametrize("before", STRAIGHT_OR_TURNING)
+@pytest.mark.parametrize("wall", WALLS)
+@pytest.mark.parametrize("name", KINDS)
+def test_spans_that_end_or_begin_at_a_jump_or_are_its_instant(name, wall, before):
+    """A body jumps from 2 to 12 at the time 1, and goes on to 13: spans are closed, and at 1 it stands at 12."""
+    path = fc.Sequence([STRAIGHT_OR_TURNING[before], jump(10, ahead=(1, 0, 0))], durations=[1, 1])
+    a, b = KINDS[name].moving(path), WALLS[wall]
+    if before == "turning":
+        b = b.rotated((1, 0, 0), degrees=37)  # as the body is then
+    b = b.translated((12, 0, 0))
+    for pair in ((a, b), (b, a)):
+        assert fc.first_contact(*pair, (0, 0.5)).status is Status.FREE
+        for span in ((0, 1), (0, 2)):
+            hit = fc.first_contact(*pair, span)
+            assert (hit.status, hit.time, hit.initial) == (Status.CONTACT, 1.0, None)
+        for span in ((1, 1), (1, 2)):
+            assert fc.first_contact(*pair, span).status is Status.INITIAL_CONTACT
+        (at,) = fc.contact_intervals(*pair, (1, 1))
+        (end,) = fc.contact_intervals(*pair, (0, 1))
+        assert (at.start, at.end, end.start, end.end) == (1, 1, 1, 1)
+        assert fc.contact_intervals(*pair, (0, 2))[0].start == 1
+
+
+def test_what_is_left_by_a_jump_is_not_there_after_it():
+    lands = fc.Sequence([fc.Translation((2, 0, 0)), jump(10)], durations=[1, 1])
+    for name, body in KINDS.items():
+        a, b = body.moving(lands), body.translated((2, 0, 0))
+        assert fc.first_contact(a, b, (1, 1)).status is Status.FREE, name
+        assert fc.first_contact(a, b, (1, 2)).status is Status.FREE, name
+        assert fc.contact_intervals(a, b, (1, 1)).status is Status.FREE, name

@@ -3,7 +3,7 @@
 import numpy as np
 
 from firstcontact.contact.compound.windows import overlapping
-from firstcontact.contact.linked import _may_meet
+from firstcontact.contact.runs.near import _may_meet
 
 NAN = float("nan")
 

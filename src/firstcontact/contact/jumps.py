@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 from flint import fmpq
 
 from firstcontact.contact.later import waiting
 from firstcontact.exact.numbers import above, below, fraction, to_double
 from firstcontact.motion.moving import Moving
+from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.motion.sequence import Sequence
 from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
 from firstcontact.work import Query
@@ -24,14 +26,15 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
     """What `answer` tells of the query."""
     times = _jumps(query)
     if not times:
-        return answer(query)
+        still = _at_an_instant(query)
+        return answer(query) if still is query else replace(answer(still), **query.shared)
     stats = Stats()
     for own in _stretches(query, times):
         found = answer(replace(own, budget=query.budget_after(stats)))
         stats = replace(stats + found.stats, seconds=query.stats().seconds)
         if found.status is not Status.FREE:
             later = own.first > query.first and found.status is Status.INITIAL_CONTACT
-            return _at_jump(found, own.first, query, stats) if later else replace(found, stats=stats, **query.shared)
+            return at_jump(found, own.first, query, stats) if later else replace(found, stats=stats, **query.shared)
     return FirstContact.free(stats, **query.shared)
 
 
@@ -39,7 +42,7 @@ def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> Cont
     """What `answer` tells of the query."""
     times = _jumps(query)
     if not times:
-        return answer(query)
+        return replace(answer(_at_an_instant(query)), **query.shared)
     from firstcontact.contact.compound.answer import joined  # few motions jump
 
     told, stats = list[ContactIntervals](), Stats()
@@ -52,19 +55,37 @@ def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> Cont
 
 
 def _jumps(query: Query) -> list[fmpq]:
-    """The times within the span, which has an end where a body does steps, at which one jumps; ascending."""
+    """The times of the span, which has an end where a body does steps, at which one jumps from a pose to another that
+    is asked about: not at its start.  Ascending."""
     if query.last is None:
         return []
     motions = [body.motion for body in query.bodies if isinstance(body, Moving)]
     times = {t for motion in motions if isinstance(motion, Sequence) for t in motion.jumps}
-    return sorted(t for t in times if query.first < t < query.last)
+    return sorted(t for t in times if query.first < t <= query.last)
+
+
+def _at_an_instant(query: Query) -> Query:
+    """A question about one instant at which a body jumps, of this body at rest where it stands after that."""
+    if query.first != query.last:
+        return query
+    a, b = (_placed(body, query.first) for body in query.bodies)
+    return query if a is query.a and b is query.b else replace(query, a=a, b=b)
+
+
+def _placed(body: Any, time: fmpq) -> Any:
+    if not isinstance(body, Moving) or not isinstance(body.motion, Sequence) or time not in body.motion.jumps:
+        return body
+    place = placement_at(body, time)
+    return place.place(body.body) if place.is_exact else body
 
 
 def _stretches(query: Query, times: list[fmpq]) -> Iterator[Query]:
-    """The question about each stretch between jumps, of bodies that stand at its end as they do before the jump."""
+    """The question about each stretch between jumps, of bodies that stand at its end as they do before the jump; the
+    last instant is a stretch where they jump then."""
     for start, end in pairwise([query.first, *times, query.end]):
-        a, b = (_until(body, end) if end < query.end else body for body in query.bodies)
-        yield replace(query, a=a, b=b, first=start, last=end, tolerance=query.tolerance_within(start, end))
+        a, b = (_until(body, end) if start < end in times else body for body in query.bodies)
+        own = replace(query, a=a, b=b, first=start, last=end, tolerance=query.tolerance_within(start, end))
+        yield _at_an_instant(own)
 
 
 def _until(body: object, end: fmpq) -> object:
@@ -75,8 +96,8 @@ def _until(body: object, end: fmpq) -> object:
     return Moving(body.body, Sequence(steps, [fraction(x) for x in body.motion.durations[: len(steps)]]))
 
 
-def _at_jump(found: FirstContact, time: fmpq, query: Query, stats: Stats) -> FirstContact:
-    """A start in contact that is one after a jump."""
+def at_jump(found: FirstContact, time: fmpq, query: Query, stats: Stats) -> FirstContact:
+    """A start in contact of a part of the span, as the contact that it is in all of it."""
     around = below(time), above(time)
     return waiting(
         found, lambda: {"initial": None}, status=Status.CONTACT, time=to_double(time), time_interval=around,

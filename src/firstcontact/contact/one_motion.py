@@ -10,6 +10,7 @@ from firstcontact.contact.carried import carried
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
+from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
 from firstcontact.result import ContactIntervals, FirstContact
 
@@ -34,4 +35,5 @@ def asked(answer: Callable[[Query], R], query: Query) -> R:
 def _is_rigid(motion: AnyMotion) -> bool:
     """Whether it keeps bodies apart that are apart: no pose of it is singular, as those of other motions may be."""
     steps = getattr(motion, "steps", (motion,))
-    return all(isinstance(x, Translation | Rotation | Screw) or getattr(x, "rigid", False) for x in steps)
+    of_one = Translation | Rotation | Screw
+    return isinstance(motion, Trajectory) or all(isinstance(x, of_one) or getattr(x, "rigid", False) for x in steps)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache, partial
@@ -13,7 +14,8 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeVar, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact import centred, common_shift, jumps, linked, one_motion, plain
+from firstcontact.contact import at_once, centred, common_shift, jumps, one_motion, plain
+from firstcontact.contact.runs import along, linked
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.span import refuse_late
@@ -128,12 +130,12 @@ def matrix() -> str:
 
 def first_contact(query: Query) -> FirstContact:
     """The answer of the room for the bodies."""
-    return linked.first(lambda own: plain.asked(_first, own), query)
+    return linked.first(partial(along.first, partial(plain.asked, _first)), query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
-    return linked.intervals(lambda own: plain.asked(_intervals, own), query)
+    return linked.intervals(partial(along.intervals, partial(plain.asked, _intervals)), query)
 
 
 def contact_pairs(query: Query) -> ContactPairs:
@@ -166,17 +168,22 @@ def _answer(verb: str, query: Query) -> Any:
     """What the room for the bodies says, which for curved bodies is asked about bounded spans near the origin."""
     kinds = kinds_of(*query.bodies)
     if kinds == MESHES or Kind.PART in kinds:
-        return getattr(_room(PAIRS[kinds].room), verb)(query)
+        return _asked(_room(PAIRS[kinds].room), verb)(query)
     if query.engine != "auto":
         raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")
     refuse_late((query.first, query.last))
-    own = partial(getattr(centred, verb), getattr(_curved(kinds, query), verb))
+    own = partial(getattr(centred, verb), _asked(_curved(kinds, query), verb))
     near = partial(getattr(jumps, verb), partial(common_shift.asked, own))
     from firstcontact.contact import endless
 
     if query.last is None:
         return _said(getattr(endless, verb)(near, query), query)
     return _said(near(query) if verb == "intervals" else endless.in_one_turn(near, query), query)
+
+
+def _asked(room: _Room, verb: str) -> Callable[[Query], Any]:
+    """What the room tells; of one instant, whether there is contact."""
+    return room.first if verb == "first" else partial(at_once.intervals, room)
 
 
 def _said(answer: R, query: Query) -> R:

@@ -13,12 +13,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from flint import fmpq, fmpz
+from flint import fmpq, fmpq_mat, fmpz
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.rigid import Matrix, quaternion_rotation
-from firstcontact.exact.vectors import Vector, det
+from firstcontact.exact.vectors import Vector
 from firstcontact.motion.translation import vector3
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ MOST_SNAP = fmpq(1, 2)
 """Largest |R^T R - 1| of a matrix that counts as a rounded rotation; float32 and seven printed digits stay below it."""
 # Bits of a quaternion that stands for a rounded rotation: its angle is then within 2^-60.
 BITS = 64
+_ONE = fmpq_mat(3, 3, [int(i == j) for i in range(3) for j in range(3)])
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,39 +142,31 @@ def _primitive(q: list[fmpq]) -> Quaternion:
 
 def _quaternion_of(rows: Rows, name: str, snap: fmpq) -> Quaternion:
     """The quaternion of a rotation matrix, exact where the matrix is."""
-    r = [row[:3] for row in rows[:3]]
-    defect = _defect(r)
+    r = fmpq_mat(3, 3, [x for row in rows[:3] for x in row[:3]])
+    gram = r.transpose() * r
+    defect = _defect(gram)
     if defect > snap:
         raise InputError(
             f"{name}: the linear part is no rotation (it misses one by {to_double(defect):.1g}, more than "
             f"snap = {to_double(snap):.1g}); give more digits, a larger snap=, or RationalMotion(coefficients) for "
             "affine motions"
         )
-    if det(*r) < 0:
+    if r.det() < 0:
         raise InputError(
             f"{name}: the linear part is no rotation, it mirrors the body (its determinant is negative); "
             "check the order and the signs of its axes"
         )
     while defect != 0 and defect > fmpq(1, 2**80):
-        r = _nearer_rotation(r)
-        defect = _defect(r)
-    q = _dominant(r)
+        r = r * (3 * _ONE - gram) / 2  # a step towards the nearest rotation: the defect is squared
+        gram = r.transpose() * r
+        defect = _defect(gram)
+    q = _dominant(r.tolist())
     return _primitive(q) if defect == 0 else _rounded(q)
 
 
-def _defect(r: Rows) -> fmpq:
+def _defect(gram: fmpq_mat) -> fmpq:
     """The largest entry of |R^T R - 1|."""
-    entries = (
-        sum((r[k][i] * r[k][j] for k in range(3)), fmpq(0)) - (i == j) for i in range(3) for j in range(i, 3)
-    )
-    return max(abs(x) for x in entries)
-
-
-def _nearer_rotation(r: Rows) -> Rows:
-    """One step R (3 - R^T R) / 2 towards the nearest rotation: the defect is squared."""
-    gram = [[sum((r[k][i] * r[k][j] for k in range(3)), fmpq(0)) for j in range(3)] for i in range(3)]
-    half = [[(3 * (i == j) - gram[i][j]) / 2 for j in range(3)] for i in range(3)]
-    return [[sum((row[k] * half[k][j] for k in range(3)), fmpq(0)) for j in range(3)] for row in r]
+    return max(abs(x) for row in (gram - _ONE).tolist() for x in row)
 
 
 def _dominant(r: Rows) -> list[fmpq]:

@@ -26,6 +26,8 @@ _0, _1 = fmpq(0), fmpq(1)
 NEAR = fmpq(1, 10**6)
 # Square of the cosine of half the angle below which two poses count as half a turn apart: 1e-12 radians.
 HALF_TURN = fmpq(1, 10**24)
+# Coordinates of poses below which no number of the motion between them reaches LARGEST: four times as much at most.
+_LARGE = LARGEST / 16
 
 
 class RationalMotion(Motion):
@@ -68,6 +70,14 @@ class RationalMotion(Motion):
         self.pose = _checked(projective.integral(entries))
         self.rigid = projective.is_rigid(self.pose)
         self.correction = 0.0
+
+    @classmethod
+    def _rigid(cls, rows: list[list[fmpq_poly]]) -> RationalMotion:
+        """Of what is known to be a rotation times the weight, which has no zero."""
+        made = cls.__new__(cls)
+        made.coefficients = _by_degree(rows)
+        made.pose, made.rigid, made.correction = projective.reduced(projective.integral(rows), _0), True, 0.0
+        return made
 
     @classmethod
     def between(
@@ -198,10 +208,29 @@ def join(start: Pose, end: Pose, names: str) -> RationalMotion:
     line = [fmpq_poly([unit * x, unit * (ratio * y - x)]) for x, y in zip(p, q, strict=True)]
     vector = [fmpq_poly([x, y - x]) for x, y in zip(start.vector, end.vector, strict=True)]
     rows = projective.of_quaternion(line, vector)
-    degree = max(x.degree() for row in rows for x in row)
-    made = RationalMotion([[[fmpq(x[k]) for x in row] for row in rows] for k in range(degree + 1)])
+    if max(map(abs, (*start.vector, *end.vector))) >= _LARGE:
+        made = RationalMotion(_by_degree(rows))  # may have to be refused
+    else:
+        made = RationalMotion._rigid(rows)
     made.correction = max(start.correction, end.correction)
     return made
+
+
+def _by_degree(rows: list[list[fmpq_poly]]) -> tuple[tuple[tuple[fmpq, ...], ...], ...]:
+    """The coefficients, ascending, of a matrix of polynomials."""
+    degree = max(x.degree() for row in rows for x in row)
+    return tuple(tuple(tuple(fmpq(x[k]) for x in row) for row in rows) for k in range(degree + 1))
+
+
+def refuse_opposite(start: Pose, end: Pose, names: str) -> fmpq:
+    """The square of the cosine of half the angle between two poses; InputError where they are half a turn apart, which
+    calls them `names`."""
+    p, q = start.quaternion, end.quaternion
+    cosine, square_p, square_q = (
+        sum((x * y for x, y in zip(u, v, strict=True)), _0) for u, v in ((p, q), (p, p), (q, q))
+    )
+    refuse_half_turn(cosine, square_p, square_q, names)
+    return cosine * cosine / (square_p * square_q)
 
 
 def refuse_half_turn(cosine: fmpq, square_p: fmpq, square_q: fmpq, names: str) -> None:

@@ -110,8 +110,8 @@ def refuse_many_turns(
 ) -> None:  # fmt: skip
     """InputError for a body that turns more than MOST_TURNS times in the span by a motion of these kinds."""
     for body in (a, b):
-        if not isinstance(body, Moving) or isinstance(body.motion, Translation):
-            continue
+        if not isinstance(body, Moving) or isinstance(body.motion, Translation | Trajectory):
+            continue  # between two poses it is half a turn at most
         motion = body.motion
         for step in [motion] if isinstance(motion, Linkage) else getattr(motion, "steps", [motion]):
             if isinstance(step, kinds):

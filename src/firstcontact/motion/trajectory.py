@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Hashable, Iterable
-from typing import TYPE_CHECKING
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, TypeAlias, overload
 
 import numpy as np
 from flint import arb, fmpq
@@ -14,7 +16,7 @@ from firstcontact.exact.numbers import dyadic, fraction, precision, rational, to
 from firstcontact.exact.vectors import Vector, add, cross, dot, scaled, sub
 from firstcontact.motion.placement import HERE, Placement
 from firstcontact.motion.poses import BITS, SNAP, Pose, Quaternion, read_poses, sqrt_near
-from firstcontact.motion.rational import RationalMotion, join, refuse_half_turn
+from firstcontact.motion.rational import RationalMotion, join, refuse_half_turn, refuse_opposite
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import LARGEST, Translation, double_of
 from firstcontact.motion.value import Motion, numbers
@@ -26,6 +28,40 @@ if TYPE_CHECKING:
     from firstcontact.result import Table
 
 INTERPOLATIONS = ("linear-quaternion", "screw")
+Between: TypeAlias = "RationalMotion | Screw | Translation"
+"""What makes one step."""
+_LARGE, NEARLY = fmpq(2) ** 64, fmpq(1, 2**120)
+"""Coordinates of poses, and squares of sines between them, on this side of which no number of a step reaches LARGEST.
+"""
+MOST_KEPT = 4096
+"""Steps that a motion keeps, kilobytes each."""
+
+
+class Steps(Sequence[Between]):
+    """The motions between poses, made as they are looked at: there may be a hundred thousand of them."""
+
+    def __init__(self, make: Callable[[int], Between], first: int, count: int) -> None:
+        """count: of those from the first on, by the numbers that `make` takes."""
+        self._make, self._first, self._count = make, first, count
+        self._made: dict[int, Between] = {}
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, k: int) -> Between: ...
+    @overload
+    def __getitem__(self, k: slice) -> Steps: ...
+    def __getitem__(self, k: int | slice) -> Between | Steps:
+        if isinstance(k, slice):
+            first, last, _ = k.indices(self._count)
+            return Steps(self._make, self._first + first, max(last - first, 0))
+        k = range(self._count)[k]
+        if k not in self._made:
+            if len(self._made) >= MOST_KEPT:
+                self._made.clear()
+            self._made[k] = self._make(self._first + k)
+        return self._made[k]
 
 
 class Trajectory(Motion):
@@ -53,12 +89,12 @@ class Trajectory(Motion):
     ((0.0, 3.0), array([4., 2., 0.]))
     """
 
-    __slots__ = ("times", "poses", "interpolation", "steps", "correction")
+    __slots__ = ("times", "poses", "interpolation", "steps", "correction", "_worlds", "_parts")
     extends = False
 
     times: tuple[fmpq, ...]
     poses: tuple[Pose, ...]
-    steps: tuple[RationalMotion | Screw | Translation, ...]
+    steps: Steps
     """The motion from each pose to the next over (0, 1); see `before`."""
     correction: float
     """By how much an entry of a matrix that was given is off the rotation that it stands for, at most."""
@@ -83,11 +119,17 @@ class Trajectory(Motion):
         names = [f"Trajectory poses[{k}]" for k in range(len(poses))]
         self.poses = tuple(read_poses(poses, names, quat_xyzw, quat_wxyz, snap))
         self.correction = max(pose.correction for pose in self.poses)
-        step = join if interpolation == "linear-quaternion" else screw_between
-        self.steps = tuple(
-            step(p, q, f"Trajectory poses[{k}] and poses[{k + 1}]")
-            for k, (p, q) in enumerate(zip(self.poses, self.poses[1:], strict=False))
-        )
+        self.steps = Steps(self._step, 0, len(self.poses) - 1)
+        for k, (p, q) in enumerate(pairwise(self.poses)):
+            cosine = refuse_opposite(p, q, _names(k))
+            if _are_large(p, q) or 1 - NEARLY < cosine < 1:
+                self.steps[k]  # refused where its numbers are too large
+        self._worlds: tuple[Hashable, ...] = ()
+        self._parts: dict[tuple[int, int], Trajectory] = {}
+
+    def _step(self, k: int) -> Between:
+        make = join if self.interpolation == "linear-quaternion" else screw_between
+        return make(self.poses[k], self.poses[k + 1], _names(k))
 
     @property
     def span(self) -> tuple[float, float]:
@@ -125,6 +167,26 @@ class Trajectory(Motion):
         pose: np.ndarray = step.pose(share) @ start
         return pose
 
+    def stretch(self, time: fmpq) -> int:
+        """The step in charge at a time of the span."""
+        return max(0, min(bisect_right(self.times, time), len(self.steps)) - 1)
+
+    def during(self, begin: fmpq, end: fmpq) -> Trajectory:
+        """The steps in charge from one time to another, as a motion of its own; kept, for what searches find out about
+        it."""
+        first = self.stretch(begin)
+        last = max(bisect_left(self.times, end), first + 1)
+        if (first, last) not in self._parts:
+            made = self._like(self.times[first : last + 1], self.poses[first : last + 1], self.steps[first:last])
+            self._parts[first, last] = made
+        return self._parts[first, last]
+
+    def _like(self, times: tuple[fmpq, ...], poses: tuple[Pose, ...], steps: Steps, *world: Hashable) -> Trajectory:
+        made = Trajectory.__new__(Trajectory)
+        made.interpolation, made.correction, made.times, made.poses = self.interpolation, self.correction, times, poses
+        made.steps, made._worlds, made._parts = steps, (*self._worlds, *world), {}
+        return made
+
     def shifted(self, by: Vector) -> Trajectory:
         """The same motion in a world shifted by a vector.
 
@@ -132,19 +194,24 @@ class Trajectory(Motion):
         """
         turned = (_turned(p.quaternion[0], p.quaternion[1:], by) for p in self.poses)
         vectors = [add(p.vector, sub(by, x)) for p, x in zip(self.poses, turned, strict=True)]
-        moved = rebuilt(self.times, vectors, [p.quaternion for p in self.poses], self.interpolation, self.correction)
-        moved.steps = tuple(step.shifted(by) for step in self.steps)
-        return moved
+        steps = Steps(lambda k: self.steps[k].shifted(by), 0, len(self.steps))
+        return self._like(self.times, self._at(vectors), steps, by)
 
     def magnified(self, factor: fmpq) -> Trajectory:
         """The same motion in a world whose lengths are so many times as long; not for pickles, as above."""
         vectors = [scaled(factor, p.vector) for p in self.poses]
-        moved = rebuilt(self.times, vectors, [p.quaternion for p in self.poses], self.interpolation, self.correction)
-        moved.steps = tuple(step.magnified(factor) for step in self.steps)
-        return moved
+        steps = Steps(lambda k: self.steps[k].magnified(factor), 0, len(self.steps))
+        made = self._like(self.times, self._at(vectors), steps, factor)
+        for k, (p, q) in enumerate(pairwise(made.poses)):
+            if _are_large(p, q):
+                steps[k]  # refused where its numbers are too large
+        return made
+
+    def _at(self, vectors: Iterable[Vector]) -> tuple[Pose, ...]:
+        return tuple(replace(p, vector=v) for p, v in zip(self.poses, vectors, strict=True))
 
     def _facts(self) -> tuple[Hashable, ...]:
-        return self.interpolation, self.times, tuple((p.quaternion, p.vector) for p in self.poses), self.steps
+        return self.interpolation, self.times, tuple((p.quaternion, p.vector) for p in self.poses), self._worlds
 
     def _quick(self) -> Iterable[fmpq]:
         return (x for pose in self.poses for x in (*pose.vector, *pose.quaternion))
@@ -180,6 +247,15 @@ def rebuilt(
     made = Trajectory(times, vectors, interpolation, quat_wxyz=quaternions)
     made.correction = correction
     return made
+
+
+def _are_large(*poses: Pose) -> bool:
+    return any(abs(x) >= _LARGE for pose in poses for x in pose.vector)
+
+
+def _names(k: int) -> str:
+    """What errors call two poses."""
+    return f"Trajectory poses[{k}] and poses[{k + 1}]"
 
 
 def _times(values: Iterable[Given]) -> tuple[fmpq, ...]:

@@ -20,7 +20,13 @@ from firstcontact.contact.polyhedra.earliest import FoundFirst, Pair, all_pairs,
 from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.prisms import in_one_plane, upright
-from firstcontact.contact.polyhedra.problems.problem import far_apart, problem_of, problems_in_order, stretches
+from firstcontact.contact.polyhedra.problems.problem import (
+    far_apart,
+    piece_at_start,
+    problem_of,
+    problems_in_order,
+    stretches,
+)
 from firstcontact.contact.polyhedra.sharpened import sharpened
 from firstcontact.contact.ways import Passed, Way, answered, decided
 from firstcontact.errors import UnsupportedPair
@@ -168,11 +174,14 @@ def _contact_intervals(query: Query) -> ContactIntervals:
         for piece in stretches(query.a, query.b, parts, work):
             if isinstance(piece, CurvedPiece) and far_apart(query.a, query.b, piece):
                 continue
+            if isinstance(piece, CurvedPiece) and piece.start == piece.end:
+                piece = piece_at_start(piece)
             problem = problem_of(query.a, query.b, piece)
             found = contact_windows(problem, work.left, query.progress)
             stats = _added(stats, found)
             work.done += found.work
-            if found.open == "precision" and not isinstance(piece, CurvedPiece) and piece.end is not None:
+            lasts = not isinstance(piece, CurvedPiece) and piece.start != piece.end
+            if found.open == "precision" and lasts and piece.end is not None:
                 (curved,) = curved_pieces(query.a, query.b, piece.start, piece.end)  # in irrational poses balls tell
                 problem = problem_of(query.a, query.b, curved)
                 found = contact_windows(problem, work.left, query.progress)

@@ -90,7 +90,7 @@ def turn_apart(axis: Vector, point: Vector, angle: tuple[fmpq, fmpq], a: Ball, b
 def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[Corner, Corner]:
     """Corners of a box of all places of the ball; nan where none is known."""
     if isinstance(leg.motion, Product):
-        return _UNKNOWN  # `contact.linked` looks at all stretches of a link at once, by the speeds of its joints
+        return _UNKNOWN  # `contact.runs` looks at all stretches of a link at once, by the speeds of its joints
     if leg.before.factors:
         return _box(local_pose(leg, piece), ball, leg.is_rigid)
     return _own_box(leg.motion, leg.part(piece.start, piece.end), ball)

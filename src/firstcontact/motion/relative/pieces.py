@@ -105,10 +105,10 @@ def pieces(a: Body, b: Body, first: fmpq, last: fmpq | None) -> list[MotionPiece
     if len(steps_a) == len(steps_b) == 1:
         return [_reduce(a, b, steps_a[0], steps_b[0], first, last)]
     assert last is not None  # sequences have bounded spans
-    out = []
-    for t0, t1 in _cut(steps_a, steps_b, first, last):
-        out.append(_reduce(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1))
-    return out
+    times = _cut(steps_a, steps_b, first, last)
+    if first < last and any(_jumps_at(body, last) for body in (a, b)):
+        times.append((last, last))  # the span is closed
+    return [_reduce(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1) for t0, t1 in times]
 
 
 def curved_pieces(a: Body, b: Body, first: fmpq, last: fmpq) -> list[CurvedPiece]:
@@ -148,6 +148,10 @@ def _cut(steps_a: list[Step], steps_b: list[Step], first: fmpq, last: fmpq) -> l
     if not inside:
         return [(first, last)]  # a rational number takes microseconds to hash
     return list(pairwise(sorted({first, last, *inside})))
+
+
+def _jumps_at(body: Body, time: fmpq) -> bool:
+    return isinstance(body, Moving) and isinstance(body.motion, Sequence) and time in body.motion.jumps
 
 
 def _step_at(steps: list[Step], time: fmpq) -> Step:

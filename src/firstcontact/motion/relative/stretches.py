@@ -172,9 +172,9 @@ def known_steps(motion: AnyMotion) -> tuple[Step, ...]:
 
 
 def step_index(steps: tuple[Step, ...], begin: fmpq, end: fmpq) -> int:
-    """The step in charge of [begin, end]."""
-    for k, step in enumerate(steps):
-        if step.covers(begin, end):
+    """The step in charge of [begin, end]; of one instant that which begins then, as the body may jump."""
+    for k in reversed(range(len(steps))):
+        if steps[k].covers(begin, end):
             return k
     raise Untold("no pose")
 
