@@ -101,7 +101,8 @@ def test_what_lies_on_a_table_all_along_is_one_contact(kind):
     """Across all seams, where one run of steps ends and another begins."""
     count = 4 * along.LONG + 1
     path = fc.Trajectory(
-        range(count), [(k % 7, k % 5, 0) for k in range(count)], kind, quat_wxyz=[(9, 0, 0, k % 3) for k in range(count)]
+        range(count), [(k % 7, k % 5, 0) for k in range(count)], kind,
+        quat_wxyz=[(9, 0, 0, k % 3) for k in range(count)],
     )
     box, table = fc.examples.box((1, 1, 1)), fc.examples.box((60, 60, 2)).translated((0, 0, "-3/2"))
     for a, b in ((box.moving(path), table), (table, box.moving(path))):

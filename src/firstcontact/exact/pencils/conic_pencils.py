@@ -99,9 +99,10 @@ def proportional(a: Rows, b: Rows) -> bool:
 
 
 def shared_points(a: MatrixOf[D], b: MatrixOf[D]) -> list[tuple[D, D]]:
-    """The real points (s, t) that both pairs contain, for nonzero forms (p, q; q, r): p s^2 + 2 q s t + r t^2."""
+    """The real points (s, t) that both pairs contain, for forms (p, q; q, r): p s^2 + 2 q s t + r t^2, one of them not
+    zero.  A form that is zero contains all points."""
     if proportional(a, b):
-        return binary_zeros(a)
+        return binary_zeros(b if all(is_zero(x) for row in a for x in row) else a)
     (p, q), (_, r) = a
     (x, y), (_, z) = b
     # both forms vanish at (s^2, 2 s t, t^2), which is then this cross product

@@ -38,7 +38,8 @@ from firstcontact.pairs.carriers.contact import (
     zero,
 )
 
-Side = tuple[Form, Form]  # basis P (4x3) and conic C (3x3, rank 3)
+Side = tuple[Form, Form]
+"""Basis P (4x3) and conic C (3x3): of rank 3, or 2 where it is a pair of straight edges at irrational places."""
 
 
 def equation(a: Side, b: Side) -> Equation:
@@ -137,8 +138,11 @@ def contacts(a: Side, b: Side, root: AlgebraicRoot) -> Contacts:
         return nothing(PARALLEL)
     k = next(i for i in range(3) if not n[i].is_zero())
     points_a, points_b = (off(points, k) for points in line_points(a[0], b[0], n))
-    shared = shared_points(congruent(points_a, a[1]), congruent(points_b, b[1]))
+    h, g = congruent(points_a, a[1]), congruent(points_b, b[1])
     line = columns(points_a)
+    if all(zero(row) for row in (*h, *g)):  # two pairs of straight edges have one of them in common
+        return finite(tuple(combination(span, x) for x in line))
+    shared = shared_points(h, g)
     return gather([finite((combination(span, combination(line, y)),)) for y in shared], IMAGINARY)
 
 

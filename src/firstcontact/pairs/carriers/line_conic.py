@@ -81,6 +81,8 @@ def _planar_contacts(line: Form, conic: Form, span: tuple[Vector, ...]) -> Conta
     """Real common points of a line and a conic of one plane, over a field."""
     ends = columns(line)
     restricted = congruent(line, conic)
+    if all(zero(row) for row in restricted):  # one of a pair of straight edges
+        return finite(tuple(combination(span, x) for x in ends), note="coplanar")
     points = [combination(ends, y) for y in binary_zeros(restricted)]
     note = "coplanar" if len(null_space(restricted)) == 1 else "coplanar: crossing"
     return gather([finite((combination(span, x),), note=note) for x in points], IMAGINARY)
