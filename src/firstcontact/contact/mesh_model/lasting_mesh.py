@@ -67,6 +67,7 @@ class LastingOfMesh(Lasting["MeshPoint | Pierced"]):
         foot, x = back @ (seed - p[9:12]), self.corners
         weights = _feet(x, foot)[:, 0]
         sizes = np.ptp(x, axis=1).max(axis=1)
+        sizes = np.where(sizes > 0.0, sizes, np.abs(x).max(axis=(1, 2)))  # of a point how far out it is
         away = np.abs(np.einsum("nc,ncd->nd", weights, x) - foot).max(axis=1)
         for k in np.flatnonzero(away <= part * sizes):
             point, height = self._descended(there, x[k], weights[k], SCALES[SCALES <= part])

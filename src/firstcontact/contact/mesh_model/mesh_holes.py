@@ -25,10 +25,13 @@ from firstcontact.contact.mesh_model.patches import Patch, has_area, longest_sid
 from firstcontact.contact.models.same_point import near_surfaces
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
+from firstcontact.kernels.convex.advancement import CONTACT, advance_pieces
+from firstcontact.kernels.convex.flat import ONLY, write_triangle
+from firstcontact.kernels.convex.mesh_walk import PART
 from firstcontact.kernels.events.event_search import FREE, GOING, SPENT
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.convex import NotConvex, convex_pieces, covering_pieces
-from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Touch, first_of_each
+from firstcontact.search.convex.mesh_advance import STRIDES, MeshSearch, Open, Swept, Touch, first_of_each
 from firstcontact.search.events import events
 from firstcontact.search.events.charts import NotCharted, charts_of
 from firstcontact.search.events.event_tables import crossing_surfaces, tables_of
@@ -126,7 +129,8 @@ class HoledSearch(MeshSearch):
         best: Touch | None = None
         if window.last > window.first:
             rest = [(group, t) for group, t in groups if group not in inside]
-            best, spent = self._first_of(rest, left, window, width)
+            best, left = self._first_of_bare(left, window, width)
+            best, spent = self._first_of(rest, left, window, width, best)
             if spent is not None:
                 return self._answer("open", min([spent, *(x.free_until for x in left)]), reason="budget")
         return self._settled(window, best, left, width)
@@ -254,11 +258,47 @@ class HoledSearch(MeshSearch):
 
     # -- contact ---------------------------------------------------------------------------------------------
 
-    def _first_of(
-        self, groups: Sequence[tuple[_Group, float]], left: list[Open], window: Window, width: float
-    ) -> tuple[Touch | None, float | None]:
-        """(the first proved contact, a time until which all is free where the budget ended); what is open is added."""
+    def _first_of_bare(self, left: list[Open], window: Window, width: float) -> tuple[Touch | None, list[Open]]:
+        """(the first proved contact of bare edges and points with what covers the model, of which they are proved to
+        hold a point then; what is still open)"""
         best: Touch | None = None
+        open_: list[Open] = []
+        for x in left:
+            touch = self._with_cover(x, window, width) if x.free_until > window.first else None
+            if touch is None:
+                open_.append(x)
+            else:
+                best = touch if best is None else _first(best, touch)
+        return best, open_
+
+    def _with_cover(self, x: Open, window: Window, width: float) -> Touch | None:
+        """The contact of a bare edge or point with a piece of the cover, where the model itself is there too."""
+        if self._kind(x.primitive) is not _Kind.BARE:
+            return None
+        mesh, model = self._motions(window)
+        (part,) = np.flatnonzero(self.tree.ids[:, 0] == x.primitive)
+        write_triangle(self.rows, self.tree.xyz[part], self.tree.error)
+        outcome = advance_pieces(
+            self.rows, ONLY, mesh, self.pieces.array, x.piece, model,
+            window.first, window.last, window.inner, width, STRIDES, self.workspace, self.counters,
+        )  # fmt: skip
+        self.tests += 1
+        if outcome != CONTACT:
+            return None
+        self.state[PART] = part
+        touch = self._earlier(None)
+        if not self.lasting.on([x.primitive]).is_held_near(window, touch.hi, touch.point, NEAR):
+            return None
+        corner = any(kind == "corner" for kind, _ in touch.features)  # of the cover
+        return replace(touch, features=() if corner else touch.features, alone=False)
+
+    def _first_of(
+        self, groups: Sequence[tuple[_Group, float]], left: list[Open], window: Window, width: float,
+        best: Touch | None = None,
+    ) -> tuple[Touch | None, float | None]:  # fmt: skip
+        """(the first proved contact, a time until which all is free where the budget ended); what is open is added.
+
+        best: what is proved of others."""
         for group, free_until in groups:
             limit = window.last if best is None else best.hi
             begin = max(free_until, window.first)

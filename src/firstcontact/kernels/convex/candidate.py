@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from firstcontact.kernels.convex.separation import placed
-from firstcontact.kernels.convex.support import FORMS, VERTICES, form_value
+from firstcontact.kernels.convex.support import EITHER, FLAT, FORMS, VERTICES, form_value
 from firstcontact.kernels.convex.touch_system import local_point, moving_form, newton_step, place_frames, solve
 from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.workspace import (
@@ -147,7 +147,7 @@ def _revise(a, i, b, j, w, c, size):
     total = c[COUNT] + c[COUNT + 1]
     lowest, which = -1e-9, -1
     for k in range(total):
-        if w[UNKNOWN, 4 + k] < lowest:
+        if w[UNKNOWN, 4 + k] < lowest and (a if k < c[COUNT] else b)[c[ACTIVE + k], FLAT] != EITHER:
             lowest, which = w[UNKNOWN, 4 + k], k
     if which >= 0:  # a form that would pull: drop it
         side = 0 if which < c[COUNT] else 1

@@ -11,7 +11,17 @@ import math
 import numpy as np
 
 from firstcontact.kernels.convex.separation import local_direction, placed
-from firstcontact.kernels.convex.support import ARCS, BOX, FLAT, FORMS, VERTICES, form_gradient, form_value, support
+from firstcontact.kernels.convex.support import (
+    ARCS,
+    BOX,
+    EITHER,
+    FLAT,
+    FORMS,
+    VERTICES,
+    form_gradient,
+    form_value,
+    support,
+)
 from firstcontact.kernels.convex.touch_system import local_point
 from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.workspace import HERE_A, POSE_A, SIDE_A
@@ -70,7 +80,7 @@ def write_triangle(p, xyz, error):
         for k in range(11):
             p[r, k] = 0.0
         p[r, 10], p[r, FLAT] = r - PLANE, 1.0
-    n0, n1, n2 = _normal(p)
+    n0, n1, n2, line = _normal(p)
     for sign, r in ((1.0, PLANE), (-1.0, BELOW)):
         p[r, 6], p[r, 7], p[r, 8] = sign * n0, sign * n1, sign * n2
         p[r, 9] = -sign * (n0 * p[CORNERS, 0] + n1 * p[CORNERS, 1] + n2 * p[CORNERS, 2])
@@ -85,6 +95,21 @@ def write_triangle(p, xyz, error):
             continue
         p[r, 6], p[r, 7], p[r, 8] = m0 / length, m1 / length, m2 / length
         p[r, 9] = -(p[r, 6] * p[i, 0] + p[r, 7] * p[i, 1] + p[r, 8] * p[i, 2])
+    if line >= 0:
+        _leave_line(p, line)
+
+
+@uncounted
+def _leave_line(p, line):
+    """Of the forms of a triangle without area, all but its plane and the one side that tell its line."""
+    for s in range(3):
+        r = SIDES + s
+        if s == line:
+            p[r, FLAT] = EITHER
+            continue
+        p[r, 6], p[r, 7], p[r, 8] = 0.0, 0.0, 0.0
+        p[r, 9] = -(p[0, BOX + 3] + p[0, BOX + 4] + p[0, BOX + 5])
+    p[PLANE, FLAT] = p[BELOW, FLAT] = EITHER
 
 
 @uncounted
@@ -99,8 +124,8 @@ def across(e0, e1, e2):
 
 @uncounted
 def _normal(p):
-    """Unit normal of the triangle; some direction across its longest side where it has no area."""
-    best, m0, m1, m2, n0, n1, n2 = -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
+    """(unit normal of the triangle, -1); of one without area some direction across its longest side, and that side."""
+    best, longest, m0, m1, m2, n0, n1, n2 = -1.0, 0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
     for s in range(3):
         i, j, k = CORNERS + s, CORNERS + (s + 1) % 3, CORNERS + (s + 2) % 3
         e0, e1, e2 = p[j, 0] - p[i, 0], p[j, 1] - p[i, 1], p[j, 2] - p[i, 2]
@@ -109,15 +134,15 @@ def _normal(p):
         if s == 0:
             n0, n1, n2 = e1 * f2 - e2 * f1, e2 * f0 - e0 * f2, e0 * f1 - e1 * f0
         if square > best:
-            best = square
+            best, longest = square, s
             m0, m1, m2 = across(e0, e1, e2)
-    length = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
+    line, length = -1, math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
     if length <= 1e-14 * best:
-        n0, n1, n2 = m0, m1, m2
+        n0, n1, n2, line = m0, m1, m2, longest
         length = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
-    if length == 0.0:
-        return 0.0, 0.0, 1.0
-    return n0 / length, n1 / length, n2 / length
+    if length == 0.0:  # a point
+        return 0.0, 0.0, 1.0, -1
+    return n0 / length, n1 / length, n2 / length, line
 
 
 @uncounted

@@ -125,7 +125,9 @@ def deepen(a, b, w, c):
     for k in range(n):
         forms = a if k < p else b
         moving_form(forms, c[ACTIVE + k], w, SIDE_A if k < p else SIDE_B, x, y, z)
-        length = math.sqrt(w[FORM, 1] ** 2 + w[FORM, 2] ** 2 + w[FORM, 3] ** 2) * (1.0 - forms[c[ACTIVE + k], FLAT])
+        length = math.sqrt(w[FORM, 1] ** 2 + w[FORM, 2] ** 2 + w[FORM, 3] ** 2)
+        if forms[c[ACTIVE + k], FLAT] != 0.0:
+            length = 0.0
         for r in range(3):
             w[GRADIENTS + k, r] = w[FORM, 1 + r]
         w[GRADIENTS + k, 3] = length

@@ -29,9 +29,10 @@ INCLUDED = 1e-9
 #       middle of the arc, cosine of half its extent (-2: all of it), error.
 #   curved face: centre c, 3x3 rows L (it is c + L u), kind, error.
 #   form, <= 0 inside: xx, yy, zz, 2xy, 2xz, 2yz, 2x, 2y, 2z, 1; number of the surface; 1 where the piece is flat
-#       (`kernels.convex.flat`): no point is inside it then, and its forms serve guesses only.
+#       (`kernels.convex.flat`): no point is inside it then, and its forms serve guesses only; EITHER for the two that
+#       vanish along a line, whose normals may be taken either way.
 VERTICES, ARCS, CURVED, FORMS, BOX = 0, 2, 4, 6, 8
-FLAT = 11
+FLAT, EITHER = 11, 2.0
 
 
 @uncounted
