@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeVar, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact import at_once, centred, common_shift, jumps, one_motion, plain
-from firstcontact.contact.runs import along, linked
+from firstcontact.contact.runs import along, linked, turns
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.span import refuse_late
@@ -178,7 +178,9 @@ def _answer(verb: str, query: Query) -> Any:
 
     if query.last is None:
         return _said(getattr(endless, verb)(near, query), query)
-    return _said(near(query) if verb == "intervals" else endless.in_one_turn(near, query), query)
+    if verb == "intervals":
+        return _said(turns.intervals(near, query), query)
+    return _said(endless.in_one_turn(near, query), query)
 
 
 def _asked(room: _Room, verb: str) -> Callable[[Query], Any]:

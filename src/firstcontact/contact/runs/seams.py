@@ -1,0 +1,47 @@
+"""Intervals of contact asked about in parts of the span, one after the other, and told as one answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+from firstcontact.body.compound.compound import about_models
+from firstcontact.result import ContactInterval, ContactIntervals, Stats, Status
+from firstcontact.work import Query
+
+
+def intervals(
+    answer: Callable[[Query], ContactIntervals], query: Query, parts: Iterable[Query]
+) -> ContactIntervals:
+    """All of the query, from what `answer` tells of its parts, ascending, outside of which nothing touches.
+
+    What touches at the end of a part does at the beginning of the next one, if that begins there.
+    """
+    stats, known, status = Stats(), list[ContactInterval](), Status.FREE
+    models = about_models(*query.bodies)
+    for own in parts:
+        found = answer(replace(own, budget=query.budget_after(stats)))
+        stats = replace(stats + found.stats, seconds=query.stats().seconds)
+        goes_on = own.first > query.first and _starts_at_once(found)
+        known = joined(known, list(found.intervals)) if goes_on else [*known, *found.intervals]
+        if found.status is Status.UNDECIDED:
+            return replace(found, intervals=tuple(known), stats=stats, **query.shared, **models)
+        if found.status is not Status.FREE and status is Status.FREE:
+            status = Status.CONTACT if goes_on else found.status
+    until = known[0].start_interval[0] if known else query.span[1]
+    return ContactIntervals(tuple(known), status, until, None, stats, **query.shared, **models)
+
+
+def _starts_at_once(found: ContactIntervals) -> bool:
+    if found.status is Status.UNDECIDED:
+        return bool(found.intervals) and found.intervals[0].start <= found.span[0]
+    return found.status is Status.INITIAL_CONTACT
+
+
+def joined(known: list[ContactInterval], more: list[ContactInterval]) -> list[ContactInterval]:
+    """With what goes on from where another part begins: one with the last, where that lasts until there."""
+    if known and more and known[-1].end_interval[1] >= more[0].start_interval[0]:
+        last, own = known[-1], more[0]
+        own = replace(own, start=last.start, start_interval=last.start_interval, start_exact=last.start_exact)
+        return [*known[:-1], own, *more[1:]]
+    return [*known, *more]
