@@ -86,22 +86,23 @@ class _MeshSearch(CandidateSearch):
         lasting = self.lasting(u)
         if lasting:
             return True
-        return self._is_held(u) if apart and lasting is not None else None
+        now = self._window_at(u)
+        if now is None or lasting is None:
+            return None
+        if not apart and self.bodies.search.at_start(now).status != "free":
+            return None
+        return holds_model(self.bodies.search, self.bodies.mesh, now) if self.bodies.mesh.solid else False
 
-    def _is_held(self, u: fmpq) -> bool | None:
-        """Whether the polyhedron holds a part of the model, where its surface meets none; None where it is not told."""
+    def _window_at(self, u: fmpq) -> Window | None:
+        """The window at the double that stands for u; None where a candidate lies between the two."""
         assert self.bodies is not None
-        if not self.bodies.mesh.solid:
-            return False
         t = world_time(self.pair, AlgebraicRoot.of(u))[0]
         clock, time = self.pair.piece.clock, exact_value(t)
-        for candidate in self.candidates:  # the double stands for u where no candidate lies between
+        for candidate in self.candidates:
             if (candidate.root.compare(u) > 0) is not (clock.compare(candidate.root, time) > 0):
                 return None
         window = next((w for w in self.bodies.windows if w.first <= t <= w.last), None)
-        if window is None:
-            return None
-        return holds_model(self.bodies.search, self.bodies.mesh, window._replace(first=t, last=t, inner=t))
+        return None if window is None else window._replace(first=t, last=t, inner=t)
 
 
 def _searches(query: Query, work: Work) -> Iterator[CandidateSearch]:

@@ -101,7 +101,14 @@ class _Free:
         search, is_free = self._events(window, False, t, end)
         if is_free:
             return end, []
-        return max(t, float(search.result[0])), self._places(search, window)
+        until, places = max(t, float(search.result[0])), self._places(search, window)
+        if not self._runs_on(window):
+            return until, places
+        ahead = search.free_in_balls(window, until, 0)  # rounding may hide how long they stay apart
+        if ahead is None or not until < ahead[0] < end:
+            return until, places
+        search, is_free = self._events(window, False, ahead[0], end)
+        return (end, []) if is_free else (max(ahead[0], float(search.result[0])), self._places(search, window))
 
     def _events(self, window: Window, still: bool, t: float, end: float) -> tuple[events.EventSearch, bool]:
         """(a search for events, or at t = end for common points, which counts as work; whether there is none)."""
@@ -138,9 +145,13 @@ class _Free:
         part = window._replace(first=t, last=end, inner=min(end, window.inner))
         search = advance.PieceSearch(self.pieces[0], self.pieces[1], [part], 1.0, STRIDES)
         search.width = self.width
-        if any(window.a is w.a and window.b is w.b for w in self.parts):  # else time runs backwards
+        if self._runs_on(window):
             search.motions = lambda: self.motions
         return search
+
+    def _runs_on(self, window: Window) -> bool:
+        """Whether the window is one of the motions, and not its mirror, in which time runs backwards."""
+        return any(window.a is w.a and window.b is w.b for w in self.parts)
 
     def _places(self, search: EventSearch, window: Window) -> list[np.ndarray]:
         """The middles of boxes that survive, in the world."""

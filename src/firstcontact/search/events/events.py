@@ -201,7 +201,7 @@ class EventSearch:
             found = self._in_doubles(window, t, last)
             if found is None or found.status != "open" or found.reason != "precision":
                 return found if found is None or event is None else self._timed(found, event)
-            ahead = self._free_in_balls(window, found.free_until, stage)
+            ahead = self.free_in_balls(window, found.free_until, stage)
             if ahead is None:
                 return found
             t, event = ahead
@@ -217,7 +217,7 @@ class EventSearch:
         lo, hi = map(exact_value, found.time_interval)
         return replace(found, time=to_double(near)) if lo <= near <= hi else found
 
-    def _free_in_balls(self, window: Window, lo: float, stage: int) -> tuple[float, fmpq | None] | None:
+    def free_in_balls(self, window: Window, lo: float, stage: int) -> tuple[float, fmpq | None] | None:
         """A time after lo before which all is free, shortly before an event, or that of the look ahead, and the event;
         None where that is not told.  stage: how often balls have told before; they look four times as far each time."""
         end = min(lo + REACH * 4.0**stage * self.width, window.last)
