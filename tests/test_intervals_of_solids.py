@@ -6,11 +6,14 @@ from fractions import Fraction as F
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from firstcontact.contact.models import algorithm, at_rest
 from firstcontact.contact.models.algorithm import CandidateSearch
+from firstcontact.contact.models.first import intervals
 from firstcontact.exact.numbers import Undecidable
+from firstcontact.work import Query
 
 
 def capped():
@@ -99,14 +102,17 @@ def test_an_open_candidate_at_the_only_instant_leaves_the_answer_open(monkeypatc
     passing = fc.sphere(1).translated((-5, 0, 0)).moving(fc.Translation((10, 0, 0)))
     other, instant = fc.sphere(1).translated((0, 2, 0)), (F(1, 2), F(1, 2))
     assert len(fc.contact_intervals(passing, other, instant, method="algebraic")) == 1
+    query = Query(passing, other, fmpq(1, 2), fmpq(1, 2), method="algebraic")  # as parts of longer spans are asked
+    assert len(intervals(query)) == 1
 
     def open_(candidate):
         raise Undecidable("left open")
 
     monkeypatch.setattr(algorithm, "_validated", open_)
     monkeypatch.setattr(CandidateSearch, "share_a_point", lambda search, u, passed=None: False)
+    assert fc.contact_intervals(passing, other, instant, method="algebraic").status is fc.Status.UNDECIDED
     with pytest.raises(fc.UnsupportedPair, match="not told"):
-        fc.contact_intervals(passing, other, instant, method="algebraic")
+        intervals(query)
 
 
 def test_solids_whose_common_part_is_too_thin_to_be_traced_are_left_undecided():

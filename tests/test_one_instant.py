@@ -43,3 +43,13 @@ def test_an_instant_at_a_knot_of_a_screw_trajectory():
         assert fc.contact_intervals(CUBE.moving(path), wall, span).status is Status.INITIAL_CONTACT
     far = wall.translated((5, 0, 0))
     assert fc.contact_intervals(CUBE.moving(path), far, (1, 1)).status is Status.FREE
+
+
+def test_contact_that_goes_on_to_the_end_of_a_screw_is_one_interval():
+    """It was told twice: up to the end, enclosed to one unit in the last place beyond it, and at the end."""
+    path = fc.Trajectory([0, 1], [(-2, 1, 0), (-1, 0, 2)], "screw", quat_wxyz=[(-1, 3, 3, -2), (1, 1, 0, 0)])
+    box = fc.examples.box((1, 2, 3))
+    for pair in ((box.moving(path), box), (box, box.moving(path))):
+        (only,) = fc.contact_intervals(*pair)
+        assert (only.start, only.end) == (0, 1)
+        assert only.end_interval[1] == 1

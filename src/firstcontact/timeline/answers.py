@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
 from firstcontact.exact.numbers import exact_value, likely, to_double
@@ -36,6 +38,21 @@ def likely_time(interval: tuple[float, float]) -> float:
     """The double that is nearest to the simplest number of an enclosure."""
     lo, hi = interval
     return min(max(to_double(likely(exact_value(lo), exact_value(hi))), lo), hi)
+
+
+def union(intervals: Sequence[ContactInterval]) -> list[ContactInterval]:
+    """Disjoint, ascending: those that meet, as far as their enclosures tell, are one."""
+    merged: list[ContactInterval] = []
+    for x in sorted(intervals, key=lambda x: (x.start_interval, x.start)):
+        if merged and x.start_interval[0] <= merged[-1].end_interval[1]:
+            last = merged[-1]
+            later = x if x.end_interval > last.end_interval else last
+            merged[-1] = replace(
+                last, end=later.end, end_interval=later.end_interval, end_exact=later.end_exact
+            )
+        else:
+            merged.append(x)
+    return merged
 
 
 class Told(Protocol):

@@ -12,7 +12,6 @@ from firstcontact.body.compound.compound import CompoundPiece, about_models
 from firstcontact.contact.compound.windows import CompoundSide, PairWindow
 from firstcontact.result import (
     MOST_OTHERS,
-    ContactInterval,
     ContactIntervals,
     Element,
     ElementPair,
@@ -20,6 +19,7 @@ from firstcontact.result import (
     Stats,
     Status,
 )
+from firstcontact.timeline.answers import union
 from firstcontact.work import Query
 
 Sides = tuple[CompoundSide, CompoundSide]
@@ -164,7 +164,7 @@ def joined(query: Query, told: Sequence[ContactIntervals]) -> ContactIntervals:
     known: dict[str, Any] = {**query.shared, **about_models(*query.bodies), "stats": replace(stats, ways=ways)}
     open_ = [x for x in told if x.status is Status.UNDECIDED]
     until = min((x.free_until for x in open_ if x.free_until is not None), default=math.inf)
-    merged = _union([interval for x in told for interval in x if interval.start <= until])
+    merged = union([interval for x in told for interval in x if interval.start <= until])
     if open_:
         reason = next(x.reason for x in open_ if x.free_until == until)
         return ContactIntervals(tuple(merged), Status.UNDECIDED, until, reason, **known)
@@ -173,18 +173,3 @@ def joined(query: Query, told: Sequence[ContactIntervals]) -> ContactIntervals:
     status = Status.FREE if not merged else Status.INITIAL_CONTACT if at_start else Status.CONTACT
     until = merged[0].start_interval[0] if merged else query.span[1]
     return ContactIntervals(tuple(merged), status, until, **known)
-
-
-def _union(intervals: list[ContactInterval]) -> list[ContactInterval]:
-    """Disjoint, ascending: those that meet, as far as their enclosures tell, are one."""
-    merged: list[ContactInterval] = []
-    for x in sorted(intervals, key=lambda x: (x.start_interval, x.start)):
-        if merged and x.start_interval[0] <= merged[-1].end_interval[1]:
-            last = merged[-1]
-            later = x if x.end_interval > last.end_interval else last
-            merged[-1] = replace(
-                last, end=later.end, end_interval=later.end_interval, end_exact=later.end_exact
-            )
-        else:
-            merged.append(x)
-    return merged

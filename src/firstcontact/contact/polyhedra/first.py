@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Sequence
 from dataclasses import replace
@@ -30,11 +31,12 @@ from firstcontact.contact.polyhedra.problems.problem import (
 from firstcontact.contact.polyhedra.sharpened import sharpened
 from firstcontact.contact.ways import Passed, Way, answered, decided
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import Undecidable, to_double
+from firstcontact.exact.numbers import Undecidable, above, below, to_double
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import MotionPiece, curved_pieces, pieces
-from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
+from firstcontact.result import ContactInterval, ContactIntervals, ContactPairs, FirstContact, Stats, Status
+from firstcontact.timeline.answers import union
 from firstcontact.work import WORTH, NoMemory, Query, Spent
 
 NO_WORK = Stats()
@@ -207,13 +209,24 @@ def _intervals_of(
     left: tuple[str, float] | None,
 ) -> ContactIntervals:  # fmt: skip
     """The answer; left: what stopped the search, and when."""
-    intervals = tuple(interval_of(e, query.exact) for e in ends)
+    intervals = tuple(_within(interval_of(e, query.exact), query) for e in ends)
+    if not query.exact:
+        intervals = tuple(union(intervals))
     if left is not None:
         status, until, reason = Status.UNDECIDED, left[1], left[0]
     else:
         status = Status.FREE if not ends else Status.INITIAL_CONTACT if ends[0].at_start(first) else Status.CONTACT
         until, reason = query.span[1] if not ends else intervals[0].start, None
     return ContactIntervals(intervals, status, until, reason, _timed(stats, query.begin), **query.shared)
+
+
+def _within(x: ContactInterval, query: Query) -> ContactInterval:
+    """With enclosures that do not reach beyond the span: balls may by one rounding."""
+    first, last = below(query.first), math.inf if query.last is None else above(query.last)
+    (lo, start), (end, hi) = x.start_interval, x.end_interval
+    if first <= lo and hi <= last:
+        return x
+    return replace(x, start_interval=(max(lo, first), start), end_interval=(end, min(hi, last)))
 
 
 def pairs(query: Query) -> ContactPairs:
