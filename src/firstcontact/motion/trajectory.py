@@ -33,8 +33,8 @@ Between: TypeAlias = "RationalMotion | Screw | Translation"
 _LARGE, NEARLY = fmpq(2) ** 64, fmpq(1, 2**120)
 """Coordinates of poses, and squares of sines between them, on this side of which no number of a step reaches LARGEST.
 """
-MOST_KEPT = 4096
-"""Steps that a motion keeps, kilobytes each."""
+MOST_KEPT, MOST_PARTS = 4096, 128
+"""Steps that a motion keeps, kilobytes each; parts of it that are kept."""
 
 
 class Steps(Sequence[Between]):
@@ -147,7 +147,7 @@ class Trajectory(Motion):
 
     def before(self, k: int) -> Placement:
         """The exact pose that step k is applied to: the identity where the step contains it."""
-        return HERE if isinstance(self.steps[k], RationalMotion) else HERE.then(self.poses[k].matrix())
+        return HERE if self.interpolation == "linear-quaternion" else HERE.then(self.poses[k].matrix())
 
     def __call__(self, t: float) -> np.ndarray:
         """The (4, 4) float64 pose at time t of the span."""
@@ -177,6 +177,8 @@ class Trajectory(Motion):
         first = self.stretch(begin)
         last = max(bisect_left(self.times, end), first + 1)
         if (first, last) not in self._parts:
+            if len(self._parts) >= MOST_PARTS:
+                self._parts.clear()
             made = self._like(self.times[first : last + 1], self.poses[first : last + 1], self.steps[first:last])
             self._parts[first, last] = made
         return self._parts[first, last]

@@ -24,7 +24,7 @@ LONG = 32
 
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
     """What `answer` tells of the query."""
-    if not _longest(query):
+    if not _is_long(query):
         return answer(query)
     stats = Stats()
     for run in _runs(query):
@@ -40,21 +40,22 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
     """What `answer` tells of the query."""
-    if not _longest(query):
+    if not _is_long(query):
         return answer(query)
     return seams.intervals(answer, query, (_during(query, run) for run in _runs(query)))
 
 
-def _longest(query: Query) -> int:
-    """Steps within the span of what has most of them; 0 where they are few."""
-    motions = [x.motion for x in query.bodies if isinstance(x, Moving) and isinstance(x.motion, Trajectory)]
-    most = max((len(x.steps) for x in motions), default=0)
-    return most if most > LONG and query.last is not None else 0
+def _trajectories(query: Query) -> list[Trajectory]:
+    return [x.motion for x in query.bodies if isinstance(x, Moving) and isinstance(x.motion, Trajectory)]
+
+
+def _is_long(query: Query) -> bool:
+    return any(len(x.steps) > LONG for x in _trajectories(query))
 
 
 def _runs(query: Query) -> Iterator[Run]:
     """The times in which the bodies may meet, cut where one of them has made so many steps."""
-    motions = [x.motion for x in query.bodies if isinstance(x, Moving) and isinstance(x.motion, Trajectory)]
+    motions = _trajectories(query)
     for first, last in runs(query):
         cuts = {t for x in motions for t in x.times[x.stretch(first) + LONG : x.stretch(last) + 1 : LONG]}
         inside = sorted(t for t in cuts if first < t < last)
