@@ -12,6 +12,7 @@ import firstcontact as fc
 from firstcontact.body.solid import primitives
 from firstcontact.contact.mesh_model.mesh_intervals import intervals
 from firstcontact.contact.mesh_model.mesh_starts import Standing
+from firstcontact.search.convex.mesh_advance import MeshSearch, Swept
 from firstcontact.search.convex.resting import Place
 from firstcontact.work import Query
 
@@ -191,6 +192,8 @@ def test_what_is_not_told_of_a_triangle_is_not_taken_for_apart(monkeypatch):
     ball = BALL.translated((-5, 0, 2.5)).moving(fc.Translation((10, 0, 0)))
     assert fc.contact_intervals(ball, clip(), exact=True).status is fc.Status.FREE
     monkeypatch.setattr(Standing, "primitive", lambda self, k: Place(None))
+    assert fc.contact_intervals(ball, clip(), exact=True).status is fc.Status.FREE  # doubles tell of all at once
+    monkeypatch.setattr(MeshSearch, "at_start", lambda self, window: Swept("open", window.first))
     with pytest.raises(fc.UnsupportedPair, match="not proved whether they touch"):
         fc.contact_intervals(ball, clip(), exact=True)
 
