@@ -17,7 +17,7 @@ from firstcontact.contact.polyhedra.answers import (
     interval_of,
     join,
 )
-from firstcontact.contact.polyhedra.earliest import FoundFirst, Pair, all_pairs, earliest
+from firstcontact.contact.polyhedra.earliest import FoundFirst, Pair, Problem, all_pairs, earliest
 from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.prisms import in_one_plane, upright
@@ -210,14 +210,19 @@ def _intervals_of(
 ) -> ContactIntervals:  # fmt: skip
     """The answer; left: what stopped the search, and when."""
     intervals = tuple(_within(interval_of(e, query.exact), query) for e in ends)
-    if not query.exact:
-        intervals = tuple(union(intervals))
+    if any(_is_in_balls(problem) for x in ends for problem in (x.start[0], x.end[0])):
+        intervals = tuple(union(intervals))  # what these do not tell apart
     if left is not None:
         status, until, reason = Status.UNDECIDED, left[1], left[0]
     else:
         status = Status.FREE if not ends else Status.INITIAL_CONTACT if ends[0].at_start(first) else Status.CONTACT
         until, reason = query.span[1] if not ends else intervals[0].start, None
     return ContactIntervals(intervals, status, until, reason, _timed(stats, query.begin), **query.shared)
+
+
+def _is_in_balls(problem: Problem) -> bool:
+    """Whether its times are; those of others are exact."""
+    return isinstance(problem.piece, CurvedPiece) and not problem.piece.is_rational
 
 
 def _within(x: ContactInterval, query: Query) -> ContactInterval:
