@@ -1,92 +1,140 @@
-"""Intervals of bodies that turn many times: each turn as one turn alone is told."""
+"""Motions of many turns: cut into a few turns each, which count as work; answers as of the motion cut by hand."""
 
 from __future__ import annotations
-
-import math
-from fractions import Fraction as F
-from typing import Any
 
 import pytest
 
 import firstcontact as fc
-from firstcontact import Status
+from firstcontact.contact.polyhedra.problems.enclosed_problem import EnclosedProblem
+from firstcontact.work import WORTH
 
-BAR = fc.box((4, "2/5", 1)).rotated((0, 0, 1), degrees=30)
-BALL = fc.sphere("1/4").translated((2, 0, 0))
-Z = (0, 0, 1)
-BODIES = {
-    "bar and ball": (BAR, BALL),
-    "mesh and ball": (fc.examples.box((4, 0.5, 1)), BALL),
-    "tube and plate": (
-        fc.box((4, "1/2", 1)) - fc.cylinder("1/8", 2), fc.RuledSurface("(u+3/2,-1/4,0)", "(u+3/2,1/4,0)"),
-    ),
-}  # fmt: skip
-"""Some in contact at the start, some not."""
+BOX = fc.examples.box((1, 1, 1))
+TURNED = BOX.rotated((1, 2, 3), degrees=25).translated((0, 0, -2))
+OTHER = BOX.translated((0.9, 0.4, 1.5))
+Status = fc.Status
 
 
-def ends(found):
-    return [t for x in found for t in (x.start, x.end)]
+def screw(turns, advance=3):
+    return fc.Screw((0, 0, 1), point=(0.3, 0.2, 0), turns=turns, advance=advance)
 
 
-@pytest.mark.parametrize("name", BODIES)
-def test_turns_are_as_one_alone(name):
-    a, b = BODIES[name]
-    one = ends(fc.contact_intervals(a.moving(fc.Rotation(Z, turns=1)), b, (0, 1)))
-    turning = a.moving(fc.Rotation(Z, turns=12))
-    for pair in ((turning, b), (b, turning)):
-        found = fc.contact_intervals(*pair)
-        expected = [(k + t) / 12 for k in range(12) for t in one]
-        if one[0] == 0:  # what touches at the end of a turn goes on in the next one
-            at = set(range(len(one), len(expected), len(one)))
-            expected = [t for k, t in enumerate(expected) if k not in at and k + 1 not in at]
-        assert found.status is (Status.INITIAL_CONTACT if one[0] == 0 else Status.CONTACT)
-        assert ends(found) == pytest.approx(expected, abs=1e-11)
-        for x in found:
-            assert x.start_interval[0] <= x.start <= x.start_interval[1] <= x.end_interval[1]
-        assert ends(found)[-1] <= 1 and (one[0] != 0 or found[-1].end == 1)
-        part = fc.contact_intervals(*pair, ("1/7", "5/7"))
-        inside = [(max(s, 1 / 7), min(e, 5 / 7)) for s, e in zip(expected[::2], expected[1::2], strict=True)]
-        assert ends(part) == pytest.approx([t for s, e in inside if s <= e for t in (s, e)], abs=1e-11)
+@pytest.mark.parametrize("turns", [7, 100, 300])
+def test_the_first_contact_is_that_of_the_turns_in_which_it_is(turns):
+    hit = fc.first_contact(TURNED.moving(screw(turns)), OTHER)
+    assert hit.status is Status.CONTACT
+    near = 1 / turns
+    assert fc.first_contact(TURNED.moving(screw(turns)), OTHER, (hit.time - near, hit.time + near)).time == hit.time
+    assert fc.first_contact(TURNED.moving(screw(turns)), OTHER, (0, hit.time - 1e-9)).status is Status.FREE
 
 
-SPINS: list[Any] = [
-    ({"radians": 40}, None), ({"turns": 5}, {"turns": -3}), ({"turns": 8}, {"turns": 8}),
-    pytest.param(({"radians": 20}, {"turns": -3}), marks=pytest.mark.thorough),
-]  # fmt: skip
+def test_a_contact_goes_on_through_the_cuts():
+    rod = fc.examples.box((0.2, 0.2, 2)).rotated((1, 2, 3), degrees=25)
+    plate = fc.examples.box((3, 3, 1))
+    told = fc.contact_intervals(rod.translated((0, 0, -4)).moving(fc.Screw((0, 0, 1), turns=7, advance=8)), plate)
+    (one,) = told.intervals
+    low, high = rod.vertices[:, 2].min(), rod.vertices[:, 2].max()
+    assert (one.start, one.end) == (pytest.approx((3.5 - high) / 8), pytest.approx((4.5 - low) / 8))
 
 
-@pytest.mark.parametrize("motions", SPINS)
-def test_turns_of_both_and_in_radians(motions):
-    """Turned against each other by so many turns: bars meet the ball twice in each."""
-    own, other = (None if m is None else fc.Rotation(Z, **m) for m in motions)
-    a, b = BAR.moving(own), BALL if other is None else BALL.moving(other)
-    turns = sum(s * m.radians / math.tau for s, m in ((1, own), (-1, other)) if m is not None)
-    found = fc.contact_intervals(a, b)
-    assert found.status is (Status.CONTACT if turns else Status.FREE)
-    one = ends(fc.contact_intervals(BAR.moving(fc.Rotation(Z, turns=1)), BALL))
-    expected = [(k + t) / turns for k in range(int(turns) + 1) for t in one if turns and k + t <= turns]
-    assert ends(found)[: len(expected)] == pytest.approx(expected, abs=1e-9)
+@pytest.mark.share(4)
+@pytest.mark.parametrize("budget", [50, 1000])
+@pytest.mark.parametrize("turns", [10**5, "1e30"])
+@pytest.mark.parametrize("kind", [fc.Rotation, fc.Screw])
+def test_turns_count_as_work(kind, turns, budget):
+    way = kind((0, 0, 1), turns=turns)
+    told = fc.contact_intervals(BOX.moving(way), BOX.translated((1.05, 0, 0)), budget=budget)
+    assert (told.status, told.reason) == (Status.UNDECIDED, "budget")
+    assert len(told) <= budget and told.stats.node_visits + told.stats.pair_tests <= 1.2 * budget
+    assert all(one.end <= told.free_until for one in told)
+    if kind is fc.Rotation and budget > 500:
+        assert len(told) > 500
+        short = fc.contact_intervals(BOX.moving(fc.Rotation((0, 0, 1), turns=100)), BOX.translated((1.05, 0, 0)))
+        share = float(turns) / 100
+        assert told[150].start * share == pytest.approx(short[150].start, rel=1e-12)
 
 
-def test_exact_ends_of_many_turns():
-    a = BAR.moving(fc.Rotation(Z, turns=4))
-    found, told = fc.contact_intervals(a, BALL, exact=True), fc.contact_intervals(a, BALL)
-    assert len(found) == len(told) == 8
-    for x, y in zip(found, told, strict=True):
-        assert y.start_interval[0] <= float(x.start_exact) <= y.start_interval[1]
-        assert float(x.end_exact) == pytest.approx(y.end, abs=1e-12)
+def test_bodies_that_never_meet_or_never_part_need_no_turns():
+    way = fc.Rotation((0, 0, 1), turns="1e30")
+    assert fc.contact_intervals(BOX.moving(way), BOX.translated((5, 0, 0)), budget=1000).status is Status.FREE
+    told = fc.contact_intervals(BOX.moving(way), BOX.translated((0.05, 0, 0)), budget=1000)
+    assert [(one.start, one.end) for one in told] == [(0, 1)]
+    way = screw("1e30", 1)
+    assert fc.first_contact(BOX.moving(way), BOX.translated((3, 0, 0)), budget=10).status is Status.FREE
 
 
-def test_a_contact_in_one_instant_of_each_turn():
-    """The ball on a bar grazes the other one a quarter turn from the start."""
-    a = fc.sphere(1).translated((3, 0, 0)).moving(fc.Rotation(Z, turns=6))
-    b = fc.sphere(1).translated((0, 5, 0))
-    found = fc.contact_intervals(a, b)
-    assert [x.start for x in found] == pytest.approx([(4 * k + 1) / 24 for k in range(6)], abs=1e-12)
-    assert all(x.start_interval[0] <= F(4 * k + 1, 24) <= x.end_interval[1] for k, x in enumerate(found))
+def test_the_first_contact_of_a_screw_counts_its_turns():
+    far = BOX.translated((0.9, 0.4, 2.6))
+    told = fc.first_contact(TURNED.moving(screw("1e30")), far, budget=1000)
+    assert (told.status, told.reason) == (Status.UNDECIDED, "budget") and 0 < told.free_until < 1e-25
+    with pytest.raises(fc.InputError, match="full turns"):
+        fc.first_contact(TURNED.moving(screw("1e30")), far)
 
 
-def test_budgets_of_many_turns():
-    few = fc.contact_intervals(BAR.moving(fc.Rotation(Z, turns=50)), BALL, budget=3)
-    assert few.status is Status.UNDECIDED and few.reason == "budget"
-    assert few.free_until <= fc.first_contact(BAR.moving(fc.Rotation(Z, turns=50)), BALL).time
+@pytest.mark.parametrize("budget", [10, 300])
+def test_intervals_in_a_holed_solid_end_with_their_budget(budget):
+    solid, ball = fc.box((8, 8, 2)) - fc.cylinder(2, 4), fc.examples.noisy_sphere(1280).translated((0, 0, 5))
+    told = fc.contact_intervals(ball.moving(fc.Translation((1, 0.5, -10))), solid, budget=budget)
+    assert (told.status, told.reason, told.free_until) == (Status.UNDECIDED, "budget", 0.0)
+
+
+@pytest.mark.parametrize("verb", [fc.first_contact, fc.contact_intervals])
+def test_looks_at_pairs_in_balls_count_as_the_work_that_they_are(verb, monkeypatch):
+    """One look takes as long as many visits: a budget ends them within a pair, which may take a tenth of a second."""
+    looked = []
+    for name in ("_look", "_root_within"):
+        look = getattr(EnclosedProblem, name)
+        monkeypatch.setattr(EnclosedProblem, name, lambda *args, look=look: looked.append(1) or look(*args))
+    pair = TURNED.moving(screw(3)), OTHER
+    told = verb(*pair)
+    visits, whole = told.stats.node_visits + told.stats.pair_tests, len(looked)
+    assert told.status is Status.CONTACT and whole > 0
+    for share in (0, whole // 2):
+        looked.clear()
+        few = verb(*pair, budget=visits + WORTH * share)
+        assert (few.status, few.reason) == (Status.UNDECIDED, "budget")
+        assert WORTH * len(looked) <= visits + WORTH * share and 0.0 <= few.free_until <= told.free_until
+
+
+def test_a_contact_in_the_last_turns():
+    """After whole stretches of a few turns each: the corner of the box lands on the plate at a time in closed form."""
+    low = min(p[2] for p in TURNED.vertices)
+    plate = fc.examples.box((9, 9, 1)).translated((0, 0, low - 3.5))
+    hit = fc.first_contact(TURNED.moving(screw(10, advance=-3.0625)), plate)
+    assert hit.status is Status.CONTACT and hit.time == pytest.approx(3 / 3.0625, rel=1e-12)
+    (only,) = fc.contact_intervals(TURNED.moving(screw(10, advance=-3.0625)), plate)
+    assert only.start == pytest.approx(3 / 3.0625, rel=1e-12) and only.end == 1.0
+
+
+BALL = fc.sphere(1).translated((3, 0, 2))
+ARM = fc.box((6, 1, 1)).translated((0, 0, 2))
+
+
+@pytest.mark.parametrize("turns", [400, 1000])
+def test_a_curved_body_beside_one_that_makes_many_turns(turns):
+    """In a rotation the first turn tells all; a screw is looked at some hundred turns at a time."""
+    there = ARM.rotated((0, 0, 1), degrees=90)
+    once = fc.first_contact(there.moving(fc.Rotation((0, 0, 1), turns=1)), BALL)
+    many = fc.first_contact(there.moving(fc.Rotation((0, 0, 1), turns=turns)), BALL)
+    assert once.status is many.status is Status.CONTACT and many.span == (0.0, 1.0)
+    assert many.time == pytest.approx(once.time / turns, rel=1e-9)
+    free = fc.first_contact(there.moving(fc.Rotation((0, 0, 1), turns=turns)), BALL.translated((2, 0, 0)))
+    assert free.status is Status.FREE and free.free_until == 1.0
+    disc = fc.cylinder(4, 1).translated((0, 0, "-1/2"))  # its top, at 0, rises to the ball's lowest point at 1
+    screw = fc.Screw((0, 0, 1), turns=turns, advance=2)
+    for verb in (fc.first_contact, fc.contact_intervals):
+        found = verb(disc.moving(screw), BALL)
+        begin = found.time if verb is fc.first_contact else found[0].start
+        assert found.status is Status.CONTACT and begin == pytest.approx(0.5, abs=1e-9)
+    rising = BOX.translated((2, 0, 0)).moving(screw)  # its lid is at 1/2 + 2 t, its corners at 6.5^1/2 from the axis
+    hit, near = fc.first_contact(rising, BALL), 1.5 / turns
+    due = (1.5 - (1 - (3 - 6.5**0.5) ** 2) ** 0.5) / 2  # the ball is that near to the axis then
+    assert hit.status is Status.CONTACT and due <= hit.time <= due + near
+    assert fc.first_contact(rising, BALL, (hit.time - near, 1)).time == pytest.approx(hit.time, abs=1e-12)
+    assert fc.first_contact(rising, BALL, (0, hit.time - 1e-9)).status is Status.FREE
+
+
+def test_a_surface_that_rises_while_it_turns_does_not_come_round():
+    """It is under the ceiling after half of three turns, not in the first one."""
+    rising, ceiling = fc.RuledSurface("(1,u,2*T)", "(2,u,2*T)"), fc.box((10, 10, 1)).translated((0, 0, "3/2"))
+    hit = fc.first_contact(rising.moving(fc.Rotation((0, 0, 1), turns=3)), ceiling)
+    assert hit.status is Status.CONTACT and hit.time == 0.5

@@ -1,4 +1,4 @@
-"""Spans of one instant: there is an interval exactly where the bodies share a point then."""
+"""Spans of one instant at which solids overlap while other features of theirs meet, and what is led back to them."""
 
 from __future__ import annotations
 
@@ -9,47 +9,48 @@ import pytest
 import firstcontact as fc
 from firstcontact import Status
 
-CUBE = fc.examples.box((2, 2, 2))
-FLAG = fc.Polyhedron([(0, 0, 0), (3, 0, 0), (0, 3, 1)], [[0, 1, 2]])
-TURNS = {
-    "turns about two axes": (fc.Rotation((0, 0, 1), degrees=37), fc.Rotation((1, 0, 0), degrees=37)),
-    "a screw": (fc.Screw((0, 0, 1), degrees=37, advance="1/100"), None),
-    "a turn beside a shift": (fc.Rotation((1, 2, 3), radians=2), fc.Translation(("1/10", 0, 0))),
-    "between": (fc.RationalMotion.between((0, 0, 0), (0, 0, "1/10"), quat_wxyz=((1, 0, 0, 0), (5, 1, 2, 0))), None),
-}
+UPPER, LOWER = fc.box((1, 1, 1)).translated((0, 0, "1/2")), fc.box((3, 3, 1)).translated((0, 0, "-1/2"))
+LIFT = fc.Screw((0, 0, 1), point=(2, 1, 0), turns="1/2", advance=2)
 
 
-@pytest.mark.parametrize("time", [F(0), F(1, 7), F(1)], ids=str)
-@pytest.mark.parametrize("body", [CUBE, FLAG, fc.sphere(1)], ids=["cube", "flag", "ball"])
-@pytest.mark.parametrize("motions", TURNS)
-def test_bodies_that_hold_the_origin_nearly_all_along(motions, body, time):
-    """The flag's corner is at the origin at the start alone, and what the others hold there is all around it."""
-    a, b = (CUBE if m is TURNS[motions][0] and body is not FLAG else body for m in TURNS[motions])
-    a, b = (x if m is None else x.moving(m) for x, m in zip((a, b), TURNS[motions], strict=True))
-    told = fc.first_contact(a, b, (time, time)).status
-    if body is not FLAG or time == 0:
-        assert told is Status.INITIAL_CONTACT
-    found = fc.contact_intervals(a, b, (time, time))
-    assert found.status is told
-    assert [(x.start, x.end) for x in found] == ([] if told is Status.FREE else [(float(time), float(time))])
+@pytest.mark.parametrize("exact", [False, True], ids=["default", "exact"])
+def test_a_box_is_screwed_off_a_box(exact):
+    """They share the square |x|, |y| <= 1/2 at the start and nothing later."""
+    for pair in ((UPPER.moving(LIFT), LOWER), (LOWER, UPPER.moving(LIFT))):
+        found = fc.contact_intervals(*pair, exact=exact)
+        assert found.status is Status.INITIAL_CONTACT
+        assert [(x.start, x.end) for x in found] == [(0, 0)]
 
 
-def test_an_instant_at_a_knot_of_a_screw_trajectory():
-    path = fc.Trajectory(
-        [0, 1, 2], [(0, 0, 0), (1, 0, 0), (2, 1, 0)], "screw", quat_wxyz=[(1, 0, 0, 0), (4, 1, 0, 0), (4, 1, 1, 0)]
-    )
-    wall = fc.examples.box((1, 1, 1)).translated((1, "1/5", 0))
-    for span in ((1, 1), (1, 2)):
-        assert fc.contact_intervals(CUBE.moving(path), wall, span).status is Status.INITIAL_CONTACT
-    far = wall.translated((5, 0, 0))
-    assert fc.contact_intervals(CUBE.moving(path), far, (1, 1)).status is Status.FREE
+def test_a_box_is_screwed_onto_a_box():
+    """From a unit above: heights meet at the end alone, half a turn about (2, 1) later, in x = 4, y = 2."""
+    above = UPPER.translated((4, 2, 1)).moving(fc.Screw((0, 0, 1), point=(2, 1, 0), turns="1/2", advance=-1))
+    found = fc.contact_intervals(above, LOWER)
+    assert [(x.start, x.end) for x in found] == [(1, 1)]
+    assert fc.first_contact(above, LOWER).time == 1
 
 
-def test_contact_that_goes_on_to_the_end_of_a_screw_is_one_interval():
-    """It was told twice: up to the end, enclosed to one unit in the last place beyond it, and at the end."""
-    path = fc.Trajectory([0, 1], [(-2, 1, 0), (-1, 0, 2)], "screw", quat_wxyz=[(-1, 3, 3, -2), (1, 1, 0, 0)])
-    box = fc.examples.box((1, 2, 3))
-    for pair in ((box.moving(path), box), (box, box.moving(path))):
-        (only,) = fc.contact_intervals(*pair)
-        assert (only.start, only.end) == (0, 1)
-        assert only.end_interval[1] == 1
+TALL = fc.box((1, 1, 5)).translated((0, 0, "-1/2"))
+SPIN = fc.Rotation((0, 0, 1), (2, 1, 0), turns="1/2")
+
+
+@pytest.mark.share(2)
+@pytest.mark.parametrize("time", [0, F(1, 2), F(1, 3), 1])
+def test_one_instant_of_a_turn(time):
+    """Its middle is at (0, 0), then after 60 degrees at (1.87, -1.23), 90 (3, -1), 180 (4, 2); it is a unit wide."""
+    found = fc.contact_intervals(TALL.moving(SPIN), LOWER, (time, time), exact=True)
+    there = fc.first_contact(TALL.moving(SPIN), LOWER, (time, time), exact=True)
+    assert found.status is there.status
+    assert (found.status is Status.INITIAL_CONTACT) is (time < F(1, 2))
+    assert [(x.start, x.end) for x in found] == ([(float(time),) * 2] if time < F(1, 2) else [])
+
+
+@pytest.mark.parametrize("exact", [False, True], ids=["default", "exact"])
+def test_one_instant_of_touching(exact):
+    """Side by side in x = 3/2 at the start of the turn."""
+    beside = TALL.translated((2, "1/3", 0)).moving(SPIN)
+    found = fc.contact_intervals(beside, LOWER, (0, 0), exact=exact)
+    assert found.status is Status.INITIAL_CONTACT
+    assert [(x.start, x.end) for x in found] == [(0, 0)]
+    off = TALL.translated((2 + F(1, 10**12), "1/3", 0)).moving(SPIN)
+    assert fc.contact_intervals(off, LOWER, (0, 0), exact=exact).status is Status.FREE
