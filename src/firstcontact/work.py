@@ -186,6 +186,10 @@ class Query:
         """The tolerance of a part of the span whose answer is to be as close in time as that to the whole."""
         return self.tolerance * to_double((self.end - self.first) / (last - first)) if last > first else self.tolerance
 
+    def part(self, first: fmpq, last: fmpq) -> Query:
+        """The question about a part of the span, whose answer is as close in time."""
+        return replace(self, first=first, last=last, tolerance=self.tolerance_within(first, last))
+
     def is_enough(self, free_until: float) -> bool:
         """Whether it does not matter what is proved of later times."""
         return self.enough is not None and exact_value(free_until) >= self.enough

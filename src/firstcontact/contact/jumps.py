@@ -55,8 +55,8 @@ def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> Cont
 
 
 def _jumps(query: Query) -> list[fmpq]:
-    """The times of the span, which has an end where a body does steps, at which one jumps from a pose to another that
-    is asked about: not at its start.  Ascending."""
+    """The times after the start of the span at which a body jumps, ascending; where one makes steps, spans have an end.
+    """
     if query.last is None:
         return []
     motions = [body.motion for body in query.bodies if isinstance(body, Moving)]
@@ -84,8 +84,7 @@ def _stretches(query: Query, times: list[fmpq]) -> Iterator[Query]:
     last instant is a stretch where they jump then."""
     for start, end in pairwise([query.first, *times, query.end]):
         a, b = (_until(body, end) if start < end in times else body for body in query.bodies)
-        own = replace(query, a=a, b=b, first=start, last=end, tolerance=query.tolerance_within(start, end))
-        yield _at_an_instant(own)
+        yield _at_an_instant(replace(query.part(start, end), a=a, b=b))
 
 
 def _until(body: object, end: fmpq) -> object:

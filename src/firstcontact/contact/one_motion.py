@@ -34,6 +34,7 @@ def asked(answer: Callable[[Query], R], query: Query) -> R:
 
 def _is_rigid(motion: AnyMotion) -> bool:
     """Whether it keeps bodies apart that are apart: no pose of it is singular, as those of other motions may be."""
+    if isinstance(motion, Trajectory):
+        return True
     steps = getattr(motion, "steps", (motion,))
-    of_one = Translation | Rotation | Screw
-    return isinstance(motion, Trajectory) or all(isinstance(x, of_one) or getattr(x, "rigid", False) for x in steps)
+    return all(isinstance(x, Translation | Rotation | Screw) or getattr(x, "rigid", False) for x in steps)

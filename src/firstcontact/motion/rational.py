@@ -12,7 +12,7 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.polynomials import bernstein
 from firstcontact.exact.vectors import Vector, dot
-from firstcontact.motion.poses import BITS, SNAP, Pose, read_poses, read_rows, sqrt_near
+from firstcontact.motion.poses import BITS, SNAP, Pose, Quaternion, read_poses, read_rows, sqrt_near
 from firstcontact.motion.relative import projective
 from firstcontact.motion.translation import LARGEST, SPAN, double_of
 from firstcontact.motion.value import Motion, numbers
@@ -199,8 +199,7 @@ def rebuilt(coefficients: Iterable[Nested], correction: float) -> RationalMotion
 def join(start: Pose, end: Pose, names: str) -> RationalMotion:
     """The motion between two poses; `names` is how an error text calls them."""
     p, q = start.quaternion, end.quaternion
-    cosine = sum((x * y for x, y in zip(p, q, strict=True)), _0)
-    square_p, square_q = (sum((x * x for x in r), _0) for r in (p, q))
+    cosine, square_p, square_q = _products(p, q)
     refuse_half_turn(cosine, square_p, square_q, names)
     # q is brought to the length of p: then the line is that of unit quaternions, up to a factor (here a power of 2).
     ratio = sqrt_near(square_p / square_q, BITS) * (1 if cosine > 0 else -1)
@@ -225,12 +224,15 @@ def _by_degree(rows: list[list[fmpq_poly]]) -> tuple[tuple[tuple[fmpq, ...], ...
 def refuse_opposite(start: Pose, end: Pose, names: str) -> fmpq:
     """The square of the cosine of half the angle between two poses; InputError where they are half a turn apart, which
     calls them `names`."""
-    p, q = start.quaternion, end.quaternion
-    cosine, square_p, square_q = (
-        sum((x * y for x, y in zip(u, v, strict=True)), _0) for u, v in ((p, q), (p, p), (q, q))
-    )
+    cosine, square_p, square_q = _products(start.quaternion, end.quaternion)
     refuse_half_turn(cosine, square_p, square_q, names)
     return cosine * cosine / (square_p * square_q)
+
+
+def _products(p: Quaternion, q: Quaternion) -> tuple[fmpq, fmpq, fmpq]:
+    """p.q, p.p, q.q."""
+    pq, pp, qq = (sum((x * y for x, y in zip(u, v, strict=True)), _0) for u, v in ((p, q), (p, p), (q, q)))
+    return pq, pp, qq
 
 
 def refuse_half_turn(cosine: fmpq, square_p: fmpq, square_q: fmpq, names: str) -> None:

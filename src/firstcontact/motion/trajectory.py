@@ -176,6 +176,8 @@ class Trajectory(Motion):
         it."""
         first = self.stretch(begin)
         last = max(bisect_left(self.times, end), first + 1)
+        if last - first == len(self.steps):
+            return self
         if (first, last) not in self._parts:
             if len(self._parts) >= MOST_PARTS:
                 self._parts.clear()

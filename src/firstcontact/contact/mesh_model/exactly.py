@@ -86,12 +86,14 @@ class _MeshSearch(CandidateSearch):
         lasting = self.lasting(u)
         if lasting:
             return True
+        if lasting is None:
+            return None
+        if apart and not self.bodies.mesh.solid:
+            return False
         now = self._window_at(u)
-        if now is None or lasting is None:
+        if now is None or not (apart or self.bodies.search.at_start(now).status == "free"):
             return None
-        if not apart and self.bodies.search.at_start(now).status != "free":
-            return None
-        return holds_model(self.bodies.search, self.bodies.mesh, now) if self.bodies.mesh.solid else False
+        return holds_model(self.bodies.search, self.bodies.mesh, now)
 
     def _window_at(self, u: fmpq) -> Window | None:
         """The window at the double that stands for u; None where a candidate lies between the two."""

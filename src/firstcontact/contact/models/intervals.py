@@ -104,7 +104,9 @@ class _Free:
         until, places = max(t, float(search.result[0])), self._places(search, window)
         if not self._runs_on(window):
             return until, places
+        done = search.taken
         ahead = search.free_in_balls(window, until, 0)  # rounding may hide how long they stay apart
+        self.work.done += search.taken - done
         if ahead is None or not until < ahead[0] < end:
             return until, places
         search, is_free = self._events(window, False, ahead[0], end)

@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from firstcontact.body.compound.compound import about_models
 from firstcontact.contact.jumps import at_jump
 from firstcontact.contact.later import waiting
 from firstcontact.contact.runs import seams
-from firstcontact.contact.runs.near import Run, runs
+from firstcontact.contact.runs.near import Run, during, runs
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
@@ -28,21 +27,20 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
         return answer(query)
     stats = Stats()
     for run in _runs(query):
-        found = answer(replace(_during(query, run), budget=query.budget_after(stats)))
+        found = answer(replace(during(query, run), budget=query.budget_after(stats)))
         stats = replace(stats + found.stats, seconds=query.stats().seconds)
         if found.status is Status.INITIAL_CONTACT and run[0] > query.first:
             return at_jump(found, run[0], query, stats)  # a screw ends 2^-60 beside the next pose
         if found.status is not Status.FREE:
             return waiting(found, dict, stats=stats, **query.shared)
-    free, models = FirstContact.free(stats, **query.shared), about_models(*query.bodies)
-    return free if models["model_deviation"] is None else replace(free, **models)
+    return seams.free(query, stats)
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
     """What `answer` tells of the query."""
     if not _is_long(query):
         return answer(query)
-    return seams.intervals(answer, query, (_during(query, run) for run in _runs(query)))
+    return seams.intervals(answer, query, (during(query, run) for run in _runs(query)))
 
 
 def _trajectories(query: Query) -> list[Trajectory]:
@@ -60,15 +58,3 @@ def _runs(query: Query) -> Iterator[Run]:
         cuts = {t for x in motions for t in x.times[x.stretch(first) + LONG : x.stretch(last) + 1 : LONG]}
         inside = sorted(t for t in cuts if first < t < last)
         yield from zip([first, *inside], [*inside, last], strict=True)
-
-
-def _during(query: Query, run: Run) -> Query:
-    """The query about one run; the tolerance is a share of all of the span."""
-    a, b = (_cut(body, run) for body in query.bodies)
-    return replace(query, a=a, b=b, first=run[0], last=run[1], tolerance=query.tolerance_within(*run))
-
-
-def _cut(body: object, run: Run) -> object:
-    if not isinstance(body, Moving) or not isinstance(body.motion, Trajectory):
-        return body
-    return Moving(body.body, body.motion.during(*run))

@@ -7,19 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from firstcontact.body.compound.compound import about_models
 from firstcontact.contact.carried import carried
 from firstcontact.contact.later import LATER
-from firstcontact.contact.runs.near import Run, runs
+from firstcontact.contact.runs import seams
+from firstcontact.contact.runs.near import during, runs
 from firstcontact.motion.linkage import Linkage, apart
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.result import ContactInterval, ContactIntervals, ContactPairs, FirstContact, JointValue, Stats, Status
+from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, JointValue, Stats, Status
 from firstcontact.work import Query
-
-if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
 
 
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
@@ -29,12 +26,11 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
     own, shared = _without_shared(query)
     stats = Stats()
     for run in runs(own):
-        found = answer(_during(own, run, stats))
+        found = answer(replace(during(own, run), budget=query.budget_after(stats)))
         stats = stats + found.stats
         if found.status is not Status.FREE:
             return _told(found, query, shared, _timed(stats, query))
-    free, models = FirstContact.free(_timed(stats, query), **query.shared), about_models(*query.bodies)
-    return free if models["model_deviation"] is None else replace(free, **models)
+    return seams.free(query, _timed(stats, query))
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
@@ -42,18 +38,7 @@ def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> Cont
     if not _linkages(query):
         return answer(query)
     own, _ = _without_shared(query)
-    stats, known, status = Stats(), list[ContactInterval](), Status.FREE
-    for run in runs(own):
-        found = answer(_during(own, run, stats))
-        stats = stats + found.stats
-        if found.status is not Status.FREE and status is Status.FREE:
-            status = found.status
-        known += found.intervals
-        if found.status is Status.UNDECIDED:
-            return replace(found, intervals=tuple(known), stats=_timed(stats, query), **query.shared)
-    until = known[0].start if known else query.span[1]
-    models = about_models(*query.bodies)
-    return ContactIntervals(tuple(known), status, until, None, _timed(stats, query), **query.shared, **models)
+    return seams.intervals(answer, query, (during(own, run) for run in runs(own)))
 
 
 def pairs(answer: Callable[[Query], ContactPairs], query: Query) -> ContactPairs:
@@ -74,19 +59,6 @@ def _without_shared(query: Query) -> tuple[Query, Linkage | None]:
         return query, None
     bodies = [Moving(shape_of(x), own) if own.drives else shape_of(x) for x, own in zip((a, b), parted, strict=False)]
     return replace(query, a=bodies[0], b=bodies[1]), parted[2]
-
-
-def _during(query: Query, run: Run, stats: Stats) -> Query:
-    """The query about one run, with what is left of the budget; the tolerance is a share of all of the span."""
-    a, b = (_cut(body, run) for body in query.bodies)
-    left, tolerance = query.budget_after(stats), query.tolerance_within(*run)
-    return replace(query, a=a, b=b, first=run[0], last=run[1], budget=left, tolerance=tolerance)
-
-
-def _cut(body: Body, run: Run) -> Body:
-    if not isinstance(body, Moving) or not isinstance(body.motion, Linkage):
-        return body
-    return Moving(body.body, body.motion.during(*run))
 
 
 def _timed(stats: Stats, query: Query) -> Stats:

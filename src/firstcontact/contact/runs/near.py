@@ -8,6 +8,7 @@ span.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
@@ -45,7 +46,7 @@ _COVERS = Kept[tuple[BallCover, BallCover] | None]()
 
 def runs(query: Query) -> Iterator[Run]:
     """The times of the query, stretches of the clock joined, outside of which the bodies are proved to be apart."""
-    motions = motions_of(query)
+    motions = _motions(query)
     covers = [_cover_of(body, query) for body in query.bodies]
     if not motions or any(x.times != motions[0].times for x in motions) or any(cover is None for cover in covers):
         yield query.first, query.end
@@ -55,7 +56,19 @@ def runs(query: Query) -> Iterator[Run]:
     yield from _joined(np.concatenate(near).tolist(), motions[0].times, query.first, query.end)
 
 
-def motions_of(query: Query) -> list[ByStretches]:
+def during(query: Query, run: Run) -> Query:
+    """The question about one run, of motions that are no longer than it is."""
+    a, b = (_cut(body, run) for body in query.bodies)
+    return replace(query.part(*run), a=a, b=b)
+
+
+def _cut(body: Body, run: Run) -> Body:
+    if not isinstance(body, Moving) or not isinstance(body.motion, Linkage | Trajectory):
+        return body
+    return Moving(body.body, body.motion.during(*run))
+
+
+def _motions(query: Query) -> list[ByStretches]:
     """Those of many stretches."""
     return [x.motion for x in query.bodies if isinstance(x, Moving) and isinstance(x.motion, Linkage | Trajectory)]
 

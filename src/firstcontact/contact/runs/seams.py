@@ -1,4 +1,4 @@
-"""Intervals of contact asked about in parts of the span, one after the other, and told as one answer."""
+"""Answers to questions that were asked in parts of the span, one after the other."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from firstcontact.body.compound.compound import about_models
-from firstcontact.result import ContactInterval, ContactIntervals, Stats, Status
+from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
 from firstcontact.work import Query
 
 
@@ -23,7 +23,7 @@ def intervals(
         found = answer(replace(own, budget=query.budget_after(stats)))
         stats = replace(stats + found.stats, seconds=query.stats().seconds)
         goes_on = own.first > query.first and _starts_at_once(found)
-        known = joined(known, list(found.intervals)) if goes_on else [*known, *found.intervals]
+        known = _joined(known, list(found.intervals)) if goes_on else [*known, *found.intervals]
         if found.status is Status.UNDECIDED:
             return replace(found, intervals=tuple(known), stats=stats, **query.shared, **models)
         if found.status is not Status.FREE and status is Status.FREE:
@@ -32,13 +32,19 @@ def intervals(
     return ContactIntervals(tuple(known), status, until, None, stats, **query.shared, **models)
 
 
+def free(query: Query, stats: Stats) -> FirstContact:
+    """Where all parts are."""
+    found, models = FirstContact.free(stats, **query.shared), about_models(*query.bodies)
+    return found if models["model_deviation"] is None else replace(found, **models)
+
+
 def _starts_at_once(found: ContactIntervals) -> bool:
     if found.status is Status.UNDECIDED:
         return bool(found.intervals) and found.intervals[0].start <= found.span[0]
     return found.status is Status.INITIAL_CONTACT
 
 
-def joined(known: list[ContactInterval], more: list[ContactInterval]) -> list[ContactInterval]:
+def _joined(known: list[ContactInterval], more: list[ContactInterval]) -> list[ContactInterval]:
     """With what goes on from where another part begins: one with the last, where that lasts until there."""
     if known and more and known[-1].end_interval[1] >= more[0].start_interval[0]:
         last, own = known[-1], more[0]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 from flint import fmpq
 
@@ -33,17 +34,16 @@ def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> Cont
     turn = 1 / abs(piece.rate[1])
     count = int(((query.end - query.first) / turn).floor())
     whole = query.first + count * turn
-    own = answer(_part(query, query.first, query.first + turn))
+    own = answer(query.part(query.first, query.first + turn))
     if own.status is Status.UNDECIDED:
         return replace(own, **query.shared)
 
     def told(part: Query) -> ContactIntervals:
         return answer(part) if part.first == whole else _later(own, part.first - query.first, part)
 
-    ends = [query.first + k * turn for k in range(count)]
-    parts = [_part(query, t, t + turn) for t in ends]
+    parts = [query.part(query.first + k * turn, query.first + (k + 1) * turn) for k in range(count)]
     if whole < query.end:
-        parts.append(_part(query, whole, query.end))
+        parts.append(query.part(whole, query.end))
     return seams.intervals(told, query, parts)
 
 
@@ -67,12 +67,8 @@ def _parts(query: Query, piece: MotionPiece) -> Iterator[Query]:
     turns = abs(piece.rate[0]) / 6 + abs(piece.rate[1])
     count = max(1, int(((query.end - query.first) * turns).ceil()))
     times = [query.first + (query.end - query.first) * fmpq(k, count) for k in range(count + 1)]
-    for start, end in zip(times, times[1:], strict=False):
-        yield _part(query, start, end)
-
-
-def _part(query: Query, start: fmpq, end: fmpq) -> Query:
-    return replace(query, first=start, last=end, tolerance=query.tolerance_within(start, end))
+    for start, end in pairwise(times):
+        yield query.part(start, end)
 
 
 def _later(found: ContactIntervals, after: fmpq, part: Query) -> ContactIntervals:
