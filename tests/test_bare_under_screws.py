@@ -61,7 +61,6 @@ def scenes():
             yield p, q, motion
 
 
-@pytest.mark.share(3)
 @pytest.mark.parametrize("solid", SOLIDS)
 @pytest.mark.parametrize("kind", BODIES)
 def test_first_contacts_are_where_sampled_points_enter(kind, solid):
@@ -105,3 +104,25 @@ def test_a_turn_beside_a_shift():
         hit = fc.first_contact(turning, box.moving(fc.Translation((1, 2, 3))))
         assert hit.status is Status.CONTACT
         assert hit.time == pytest.approx(0.0639811157936, abs=1e-11)
+
+
+def test_points_pass_a_hole_whose_mouth_is_no_contact():
+    """What covers the ring fills its hole."""
+    ring = SOLIDS["ring"][0]
+    for x, y in ((0.1, 0), (0.5, 0.2), (1.5, 0)):
+        moving = fc.Polyhedron([(x, y, -5)], []).moving(fc.Screw((0, 0, 1), degrees=90, advance=10))
+        for pair in ((moving, ring), (ring, moving)):
+            found = fc.first_contact(*pair)
+            assert found.time == (None if x < 1 else 0.3)
+            assert found.status is (Status.FREE if x < 1 else Status.CONTACT)
+
+
+def test_an_edge_into_a_hole_is_not_told_to_touch_its_mouth():
+    edge = fc.Polyhedron([(0.1, 0, -5), (0.2, 0.3, -6)], [], edges=[(0, 1)])
+    found = fc.first_contact(edge.moving(fc.Screw((1, 0, 8), degrees=90, advance=10)), SOLIDS["ring"][0])
+    t = np.linspace(0, 1, 2001)
+    ends = screwed(np.array([[0.1, 0, -5], [0.2, 0.3, -6]]), (1, 0, 8), (0, 0, 0), 90, 10, t)
+    low = [SOLIDS["ring"][1](a + np.linspace(0, 1, 50)[:, None] * (b - a)).min() for a, b in ends]
+    touched = [time for time, height in zip(t, low, strict=True) if height < 0]
+    assert found.status is not Status.CONTACT or found.time == pytest.approx(touched[0], abs=1e-3)
+    assert not touched or found.status is not Status.FREE

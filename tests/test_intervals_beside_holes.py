@@ -8,6 +8,8 @@ import pytest
 
 import firstcontact as fc
 from firstcontact import Status
+from firstcontact.kernels.events.event_search import VISITS
+from firstcontact.search.events.events import EventSearch
 
 GROOVE = fc.box((6, 6, 2)) - fc.cylinder(1, 8).rotated((0, 1, 0), degrees=90).translated((0, 0, 1))
 """Along x, with straight edges at y = +-1, z = 1."""
@@ -45,3 +47,16 @@ def test_a_ball_on_a_screw_meets_the_rim_of_a_ring_that_deforms(inner, last):
         assert found.start == pytest.approx(0.95671208866965, abs=2e-12)
         assert found.start_interval[0] <= hit.time <= found.start_interval[1]
         assert found.end == float(F(last))
+
+
+def test_looks_in_balls_count_as_work(monkeypatch):
+    """As if a look had taken a million boxes."""
+    def slow(search, window, lo, stage):
+        search.counters[VISITS] += 10**6
+
+    monkeypatch.setattr(EventSearch, "free_in_balls", slow)
+    ball = fc.sphere(1).translated((-5, 0, "1/3")).moving(fc.Screw((1, 0, 0), degrees=30, advance=4))
+    ring = fc.cylinder(3, 2) - fc.cylinder(2, 4)
+    assert fc.contact_intervals(ball, ring).stats.node_visits >= 10**6
+    few = fc.contact_intervals(ball, ring, budget=10**5)
+    assert (few.status, few.reason) == (Status.UNDECIDED, "budget")

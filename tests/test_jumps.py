@@ -217,3 +217,13 @@ def test_what_is_left_by_a_jump_is_not_there_after_it():
         assert fc.first_contact(a, b, (1, 1)).status is Status.FREE, name
         assert fc.first_contact(a, b, (1, 2)).status is Status.FREE, name
         assert fc.contact_intervals(a, b, (1, 1)).status is Status.FREE, name
+
+
+def test_meshes_that_jump_at_the_end_of_the_span_after_a_screw():
+    """The last instant is one of a pose that is not rational."""
+    path = fc.Sequence([STRAIGHT_OR_TURNING["turning"], jump(10, ahead=(1, 0, 0))], durations=[1, 1])
+    a, b = KINDS["mesh"].moving(path), KINDS["mesh"].translated((12, 0, 0))
+    for pair in ((a, b), (b, a)):
+        assert fc.first_contact(*pair, (0, 1)).time == 1
+        assert [(x.start, x.end) for x in fc.contact_intervals(*pair, (0, 1))] == [(1, 1)]
+        assert fc.contact_intervals(*pair, (0, "9/10")).status is Status.FREE

@@ -12,6 +12,7 @@ import firstcontact as fc
 from firstcontact import Status
 from firstcontact.contact.runs import along
 from firstcontact.errors import InputError
+from firstcontact.motion import trajectory
 from firstcontact.motion.relative import chords
 
 SEED = 41
@@ -157,3 +158,36 @@ def test_budgets_and_bad_poses_of_long_paths():
     quaternions[71] = [1, 0, 0, 0]
     with pytest.raises(InputError, match=r"poses\[70\] and poses\[71\] are half a turn apart"):
         fc.Trajectory(range(count), places, quat_wxyz=quaternions)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_numbers_that_are_too_large_are_told_at_once(kind):
+    """Not when a step is made: of poses that far apart, and of a turn so slight that its axis is far away."""
+    large, turned = 3 * 2**148, [(3, 3, 3, 2), (3, 3, 3, 2), (4, 3, 3, 2)]
+    with pytest.raises(InputError, match=r"2\^150"):
+        fc.Trajectory([0, 1, 2], [(large, 0, 0), (large, large, 0), (0, 0, 0)], kind, quat_wxyz=turned)
+    slight = [(2**200, 0, 0, 0), (2**200, 1, 0, 0)]
+    if kind == "screw":
+        with pytest.raises(InputError, match=r"2\^150"):
+            fc.Trajectory([0, 1], [(0, 0, 0), (0, 1, 0)], kind, quat_wxyz=slight)
+
+
+def test_a_motion_in_a_shifted_world_is_another_one_than_that_between_its_poses():
+    """Its steps are those of before, to their rounding."""
+    path = fc.Trajectory([0, 1], [(0, 0, 0), (1, 2, 3)], "screw", quat_wxyz=[(1, 0, 0, 0), (5, 1, 2, 0)])
+    moved = path.shifted((1, 1, 0))
+    places = [[str(c) for c in pose.vector] for pose in moved.poses]
+    again = fc.Trajectory([0, 1], places, "screw", quat_wxyz=[(1, 0, 0, 0), (5, 1, 2, 0)])
+    assert moved.poses == again.poses
+    assert moved != again and moved == path.shifted((1, 1, 0))
+
+
+def test_parts_that_are_kept_are_few(monkeypatch):
+    monkeypatch.setattr(trajectory, "MOST_PARTS", 3)
+    monkeypatch.setattr(trajectory, "MOST_KEPT", 8)
+    count = 8 * along.LONG
+    path = fc.Trajectory(range(count), [(k % 2, 0, 0) for k in range(count)], quat_wxyz=[(1, 0, 0, 0)] * count)
+    post = fc.examples.box((1, 1, 1)).translated((0, "3/2", 0))
+    assert fc.first_contact(fc.examples.box((1, 1, 1)).moving(path), post).status is Status.FREE
+    assert 0 < len(path._parts) <= 3
+    assert all(len(x.steps._made) <= 8 for x in path._parts.values())

@@ -8,9 +8,13 @@ from __future__ import annotations
 from fractions import Fraction as F
 
 import pytest
+from flint import fmpq, fmpz_poly
 
 import firstcontact as fc
 from firstcontact import Status
+from firstcontact.exact.fields.number_field import sign
+from firstcontact.exact.fields.roots import AlgebraicRoot
+from firstcontact.pairs.carriers import conic_conic, line_conic
 
 BAR = fc.cylinder(3, 2) & fc.half_space((0, 1, 0), 1)
 """With a flat at y = 1: straight edges at x = +-sqrt(8), z from -1 to 1."""
@@ -89,3 +93,44 @@ def test_edges_of_flats_in_different_planes_come_in_one_line():
     aloft = other.translated((0, 0, 3))
     for pair in ((run, aloft), (aloft, run)):
         assert fc.first_contact(*pair, exact=True).status is Status.FREE
+
+
+def poly(*coefficients):
+    return fmpz_poly(list(coefficients))
+
+
+def rows(*values):
+    """Numbers as constants, `U` as the parameter."""
+    return tuple(tuple(poly(0, 1) if c == "u" else poly(c) for c in row) for row in values)
+
+
+AT_ROOT_2 = AlgebraicRoot(fmpz_poly([-2, 0, 1]), fmpq(1), fmpq(2))
+BASIS, PAIR = rows((1, 0, 0), (0, 0, 0), (0, 1, 0), (0, 0, 1)), rows((1, 0, 0), (0, 0, 0), (0, 0, -2))
+"""x^2 = 2 in the plane y = 0, of points (x, z)."""
+
+
+def test_pairs_of_edges_in_two_planes_have_a_line_in_common():
+    """The other pair is y = 0 and y = 2 in the plane x = u, which meets the first one in x = u, y = 0."""
+    across, other = rows((0, 0, "u"), (1, 0, 0), (0, 1, 0), (0, 0, 1)), rows((1, 0, -1), (0, 0, 0), (-1, 0, 0))
+    for sides in (((BASIS, PAIR), (across, other)), ((across, other), (BASIS, PAIR))):
+        (only,) = conic_conic.contacts(*sides, AT_ROOT_2).found
+        assert only.kind == "line"
+        for x in only.span:
+            assert [sign(c) for c in (x[1], x[0] * x[0] - 2 * x[3] * x[3])] == [0, 0]
+
+
+def test_an_edge_comes_to_lie_on_one_of_a_pair():
+    line = rows((0, "u"), (0, 0), (1, 0), (0, 1))
+    (only,) = line_conic.contacts(line, BASIS, PAIR, AT_ROOT_2).found
+    assert only.kind == "line"
+    (beside,) = (rows((0, 1), (0, 0), (1, 0), (0, 1)),)
+    assert not line_conic.contacts(beside, BASIS, PAIR, AT_ROOT_2).found
+
+
+def test_edges_that_come_in_one_line_share_a_segment():
+    for other, way in (
+        (BAR.rotated((0, 0, 1), degrees=90).translated((6, 6, "3/2")), (8, 8, 0)),
+        (fc.box((2, 2, 1)).translated((10, 2, "5/4")), (8, 0, 0)),
+    ):
+        hit = fc.first_contact(BAR.moving(fc.Translation(way)), other, exact=True)
+        assert str(hit.contact_set) == "segment"
