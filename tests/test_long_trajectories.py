@@ -191,3 +191,20 @@ def test_parts_that_are_kept_are_few(monkeypatch):
     assert fc.first_contact(fc.examples.box((1, 1, 1)).moving(path), post).status is Status.FREE
     assert 0 < len(path._parts) <= 3
     assert all(len(x.steps._made) <= 8 for x in path._parts.values())
+
+
+@pytest.mark.parametrize("count", [6, along.LONG + 2, along.LONG + 4])
+def test_a_span_that_begins_at_a_knot_in_touch(count):
+    """A ball stands on another one at a knot, and goes into it: at once, whatever the poses of other knots."""
+    knot = count - 4
+    heights = [20.0] * count
+    heights[knot - 1 : knot + 2] = 7, 3, 2
+    turned = [(2, 1, 0, 0) if k % 2 else (2, 0, 0, 1) for k in range(count)]
+    turned[knot - 1 : knot + 2] = [(1, 0, 0, 0)] * 3
+    path = fc.Trajectory(range(count), [(0, 0, h) for h in heights], "screw", quat_wxyz=turned)
+    for pair in ((fc.sphere(1).moving(path), fc.sphere(2)), (fc.sphere(2), fc.sphere(1).moving(path))):
+        for end in (1, 2):
+            found = fc.contact_intervals(*pair, span=(knot, knot + end))
+            assert found.status is Status.INITIAL_CONTACT
+            assert found[0].start == knot
+            assert fc.first_contact(*pair, span=(knot, knot + end)).initial == "touching"

@@ -90,3 +90,24 @@ def test_budgets_of_many_turns():
     few = fc.contact_intervals(BAR.moving(fc.Rotation(Z, turns=50)), BALL, budget=3)
     assert few.status is Status.UNDECIDED and few.reason == "budget"
     assert few.free_until <= fc.first_contact(BAR.moving(fc.Rotation(Z, turns=50)), BALL).time
+
+
+BALL_OFF = fc.sphere(1).translated((3, 0, 0))
+APART = 2 * math.asin(1 / 3)
+"""The angle at which two such balls, turned against each other about z, touch: 6 sin(angle / 2) = 2."""
+
+
+@pytest.mark.parametrize("span", [(F(-1, 4), F(3, 2)), (-1, 1), (0, F(3, 4))], ids=str)
+@pytest.mark.parametrize("degrees", [1447, 3000, 4350, 7120, 8289, 8977, 10181])
+def test_balls_that_touch_where_turns_begin(degrees, span):
+    """They were in contact twice there, for turns that end between doubles, or it ended in a division by zero."""
+    found = fc.contact_intervals(BALL_OFF.moving(fc.Rotation(Z, degrees=degrees)), BALL_OFF, span)
+    turns = F(degrees, 360)
+    lo, hi = (s * turns for s in span)
+    away = APART / math.tau
+    expected = [(k - away, k + away) for k in range(math.floor(lo) - 1, math.ceil(hi) + 2)]
+    expected = [(max(s, lo), min(e, hi)) for s, e in expected if e >= lo and s <= hi]
+    assert len(found) == len(expected)
+    for x, (s, e) in zip(found, expected, strict=True):
+        assert [x.start * float(turns), x.end * float(turns)] == pytest.approx([float(s), float(e)], abs=1e-10)
+        assert x.start_interval[0] <= x.start_interval[1] <= x.end_interval[0] <= x.end_interval[1]

@@ -26,7 +26,7 @@ from firstcontact.contact.models.moving_pair import MovingPair
 from firstcontact.contact.models.square_subproblems import needs_systems
 from firstcontact.contact.models.standing import prisms_on_common_plane
 from firstcontact.contact.reduce import as_model
-from firstcontact.contact.ways import Passed, Way, answered, decided, is_proved
+from firstcontact.contact.ways import Passed, Way, answered, decided, is_proved, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import above, below, fraction, simplest, to_double
@@ -344,11 +344,9 @@ def _at_little_cost(query: Query, models: tuple[Model, Model]) -> Advance:
 
 
 def _touching_at_start(query: Query) -> np.ndarray | None:
-    """A common point at time 0, when moving bodies still stand as they are; None where none is known."""
-    poses = [x.motion(0.0) for x in query.bodies if isinstance(x, Moving)]
-    if query.first != 0 or not all(np.array_equal(pose, np.eye(4)) for pose in poses):
-        return None
-    return _at_start(query).point
+    """A common point at the start, where poses are rational then; None where none is known."""
+    found = tried(partial(_at_start, query)) if _starts_rational(query) else None
+    return found.point if isinstance(found, FirstContact) else None
 
 
 def _searches(query: Query, work: Work, free_until: float = -math.inf) -> Iterator[CandidateSearch]:

@@ -34,17 +34,16 @@ def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> Cont
     turn = 1 / abs(piece.rate[1])
     count = int(((query.end - query.first) / turn).floor())
     whole = query.first + count * turn
-    own = answer(query.part(query.first, query.first + turn))
+    first, *others = [query.part(query.first + k * turn, query.first + (k + 1) * turn) for k in range(count)]
+    own = answer(first)
     if own.status is Status.UNDECIDED:
         return replace(own, **query.shared)
 
     def told(part: Query) -> ContactIntervals:
-        return answer(part) if part.first == whole else _later(own, part.first - query.first, part)
+        return answer(part) if part.first == whole else _later(own, first, part)
 
-    parts = [query.part(query.first + k * turn, query.first + (k + 1) * turn) for k in range(count)]
-    if whole < query.end:
-        parts.append(query.part(whole, query.end))
-    return seams.intervals(told, query, parts)
+    rest = [query.part(whole, query.end)] if whole < query.end else []
+    return seams.intervals(told, query, [first, *others, *rest])
 
 
 def _turning(query: Query) -> MotionPiece | None:
@@ -71,14 +70,16 @@ def _parts(query: Query, piece: MotionPiece) -> Iterator[Query]:
         yield query.part(start, end)
 
 
-def _later(found: ContactIntervals, after: fmpq, part: Query) -> ContactIntervals:
-    """The same that much later."""
-    def moved(times: tuple[float, float]) -> tuple[float, float]:
-        lo, hi = (exact_value(t) + after for t in times)
-        return below(max(lo, part.first)), above(min(hi, part.end))
-
+def _later(found: ContactIntervals, own: Query, part: Query) -> ContactIntervals:
+    """What was found in a turn, as long after the beginning of another one; what lasts to its ends does so there."""
+    (first, last), after = own.span, part.first - own.first
     if not after:
         return found
+
+    def moved(times: tuple[float, float]) -> tuple[float, float]:
+        lo, hi = (min(max(exact_value(t) + after, part.first), part.end) for t in times)
+        return below(part.first if times[0] <= first else lo), above(part.end if times[1] >= last else hi)
+
     told = []
     for x in found.intervals:
         start, end = moved(x.start_interval), moved(x.end_interval)
