@@ -20,7 +20,7 @@ from firstcontact.motion.relative.curved import CurvedPiece, terms
 from firstcontact.motion.relative.pieces import curved_pieces, pieces, placement_at
 from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.motion.relative.stretches import windows
-from firstcontact.motion.relative.sweep import swept_box
+from firstcontact.motion.relative.sweep import swept_box, swept_boxes
 from firstcontact.search.events.pose_jets import PoseJet
 from firstcontact.search.events.shared_points import ball_pose
 from firstcontact.search.rulings.posed_pieces import pose_windows
@@ -276,3 +276,24 @@ def gap_of_corner(m, screw, t):
     """How far the corner (0, -1) of the sheet of a is off the plane of b's, on the side where it starts."""
     corner = np.linalg.inv(screw(t)) @ m(t) @ (0, -1, 0, 1)
     return corner[0] - 3
+
+
+@pytest.mark.parametrize("kind", ["shift", "turn", "screw", "between", "sequence"])
+def test_boxes_of_many_groups_are_those_of_each(kind):
+    motions = {
+        "shift": fc.Translation((1, 2, 3)),
+        "turn": fc.Rotation((1, 2, 2), (3, 0, 1), degrees=500),
+        "screw": fc.Screw((1, 2, 3), (1, 0, 0), radians=2, advance=5),
+        "between": fc.RationalMotion.between((1, 0, 0), (0, 5, 0), quat_wxyz=((1, 0, 0, 0), (1, 2, 0, 1))),
+        "sequence": fc.Sequence([fc.Translation((1, 0, 0)), fc.Rotation((0, 0, 1), (9, 0, 0), radians=2)]),
+    }
+    groups = np.random.default_rng(7).uniform(-2, 2, (40, 5, 3))
+    lo, hi = swept_boxes(motions[kind], 0.125, 0.875, groups, 1e-3)
+    for points, low, high in zip(groups, lo, hi, strict=True):
+        alone = swept_box(motions[kind], 0.125, 0.875, points, 1e-3)
+        size = 1e-9 + 0.01 * (kind in ("turn", "screw", "sequence"))  # chords are the longest of all groups
+        np.testing.assert_allclose((low, high), alone, atol=size)
+        for t in np.linspace(0.125, 0.875, 23):
+            pose = motions[kind](t)
+            moved = points @ pose[:3, :3].T + pose[:3, 3]
+            assert np.all(low <= moved) and np.all(moved <= high)

@@ -18,7 +18,10 @@ from firstcontact.contact import at_once, centred, common_shift, jumps, one_moti
 from firstcontact.contact.runs import along, linked, turns
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.rotation import Rotation, turns_of
+from firstcontact.motion.screw import Screw
 from firstcontact.motion.span import refuse_late
+from firstcontact.motion.translation import Translation
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import Query
 
@@ -78,6 +81,7 @@ INSTEAD = {
 }
 """What to ask of pairs that a verb does not take."""
 MESHES = Kind.MESH, Kind.MESH
+ONE_STEP = Translation, Rotation, Screw
 _KINDS = {kind.value: kind for kind in Kind}
 _SORTED = {pair: (x, y) for x, y in combinations_with_replacement(Kind, 2) for pair in ((x, y), (y, x))}
 
@@ -130,11 +134,15 @@ def matrix() -> str:
 
 def first_contact(query: Query) -> FirstContact:
     """The answer of the room for the bodies."""
+    if _is_of_one_step(query):
+        return _answer("first", query)
     return linked.first(partial(along.first, partial(plain.asked, _first)), query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
+    if _is_of_one_step(query):
+        return _answer("intervals", query)
     return linked.intervals(partial(along.intervals, partial(plain.asked, _intervals)), query)
 
 
@@ -142,6 +150,19 @@ def contact_pairs(query: Query) -> ContactPairs:
     """The answer of the room for the bodies."""
     proves("contact_pairs", *query.bodies)
     return linked.pairs(_room(PAIRS[kinds_of(*query.bodies)].room).pairs, query)
+
+
+def _is_of_one_step(query: Query) -> bool:
+    """Whether one body at most moves, in one step: most questions, of whose motions nothing is taken apart or joined.
+    """
+    moving = [x.motion for x in query.bodies if isinstance(x, Moving)]
+    return not moving or (len(moving) == 1 and isinstance(moving[0], ONE_STEP))
+
+
+def _comes_round(query: Query) -> bool:
+    """Whether a body makes so much of a turn that both together may make more than one."""
+    motions = (x.motion for x in query.bodies if isinstance(x, Moving))
+    return any(isinstance(x, Rotation) and 2 * turns_of(x) * (query.end - query.first) > 1 for x in motions)
 
 
 def _first(query: Query) -> FirstContact:
@@ -172,8 +193,11 @@ def _answer(verb: str, query: Query) -> Any:
     if query.engine != "auto":
         raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")
     refuse_late((query.first, query.last))
-    own = partial(getattr(centred, verb), _asked(_curved(kinds, query), verb))
-    near = partial(getattr(jumps, verb), partial(common_shift.asked, own))
+    near: Callable[[Query], Any] = partial(getattr(centred, verb), _asked(_curved(kinds, query), verb))
+    if not _is_of_one_step(query):
+        near = partial(getattr(jumps, verb), partial(common_shift.asked, near))
+    if query.last is not None and not _comes_round(query):
+        return _said(near(query), query)
     from firstcontact.contact import endless
 
     if query.last is None:

@@ -14,7 +14,9 @@ from firstcontact.exact.times.instants import Instant
 from firstcontact.search.trees.elements import KINDS, Feature, feature
 from firstcontact.search.trees.state import (
     ALL,
+    ALLOWED,
     BEST,
+    BEYOND,
     CANDIDATES,
     CERTAIN_KIND,
     CROSSING_FOUND,
@@ -262,6 +264,7 @@ class _Search:
             limit = int(integers[VISITS]) + SLICE
             if self.budget is not None:
                 limit = min(limit, int(integers[VISITS]) + share_of(self.budget - self._work()))
+                integers[ALLOWED] = max(1, self.budget - WORTH * self.problem.looks)
             try:
                 reason = self.problem.advance(state, limit, with_start, all_sides)
                 self._collect()
@@ -272,6 +275,8 @@ class _Search:
             except NoMemory:
                 return self._stopped("memory")
             except Spent:
+                return self._stopped("budget")
+            if reason == BEYOND:
                 return self._stopped("budget")
             if reason not in (DECIDE, FULL):
                 assert reason == SLICE_SPENT

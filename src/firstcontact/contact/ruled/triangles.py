@@ -32,6 +32,7 @@ from firstcontact.exact.vectors import Vector
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative import projective
 from firstcontact.motion.relative.polynomial import PolynomialPiece
+from firstcontact.motion.relative.sweep import swept_boxes
 from firstcontact.motion.span import limits
 from firstcontact.search.trees.containment import contains
 from firstcontact.search.trees.frame import tree_of
@@ -126,8 +127,16 @@ def near_pairs(
 
 
 def _boxes(parts: list[RuledBody], begin: float, end: float) -> tuple[np.ndarray, np.ndarray]:
-    boxes = [part.bounds(_within(part, begin, end)) for part in parts]
-    return np.array([lo for lo, _ in boxes]), np.array([hi for _, hi in boxes])
+    """Corners (k, 3) of boxes that hold the parts, all of one body, at these times; infinite for whole rulings."""
+    body, span = parts[0], _within(parts[0], begin, end)
+    own = [shape_of(part).bounds(span) for part in parts]
+    lo, hi = (np.array([box[side] for box in own]) for side in (0, 1))
+    if isinstance(body, Moving):
+        ends = np.isfinite(lo).all(axis=1)
+        corners = np.stack([np.where(which, hi, lo)[ends] for which in product((False, True), repeat=3)], axis=1)
+        if ends.any():
+            lo[ends], hi[ends] = swept_boxes(body.motion, *span, corners, 0.0)
+    return lo, hi
 
 
 def _within(part: RuledBody, begin: float, end: float) -> tuple[float, float]:

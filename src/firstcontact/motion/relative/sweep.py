@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,27 +45,34 @@ def swept_box(motion: AnyMotion, first: float, last: float, points: np.ndarray, 
 
     last may be infinite; so is the box then where a translation or a screw goes on for ever.
     """
+    lo, hi = swept_boxes(motion, first, last, points[None], error)
+    return lo[0], hi[0]
+
+
+def swept_boxes(motion: AnyMotion, first: float, last: float, groups: np.ndarray, error: float) -> Box:
+    """(lower, upper) corners (k, 3) of such a box for each group (k, n, 3) of points."""
     if isinstance(motion, Linkage):
-        return _box_of_link(motion, first, last, points, error)
-    lo, hi = np.full(3, np.inf), np.full(3, -np.inf)
+        return _boxes_of_link(motion, first, last, groups, error)
+    lo, hi = np.full((len(groups), 3), np.inf), np.full((len(groups), 3), -np.inf)
     for step, t0, t1, before in _steps(motion, first, last):
         linear, shift = before[:, :3], before[:, 3]
-        placed = points @ linear.T + shift
-        size = max(np.abs(points).max() * np.abs(linear).sum(axis=1).max(), np.abs(shift).max())
+        placed = groups @ linear.T + shift
+        size = max(np.abs(groups).max() * np.abs(linear).sum(axis=1).max(), np.abs(shift).max())
         blur = error * _stretch(linear) + ROUNDING * size
-        step_lo, step_hi = _step_box(step, t0, t1, placed, blur)
+        step_lo, step_hi = _step_boxes(step, t0, t1, placed, blur)
         lo, hi = np.minimum(lo, step_lo), np.maximum(hi, step_hi)
     return lo, hi
 
 
-def _box_of_link(motion: Linkage, first: float, last: float, points: np.ndarray, error: float) -> Box:
-    """The same by how far the corners of a box around the points pass in each stretch of time."""
+def _boxes_of_link(motion: Linkage, first: float, last: float, groups: np.ndarray, error: float) -> Box:
+    """The same by how far the corners of a box around each group pass in each stretch of time."""
     own = motion.during(fmpq(*first.as_integer_ratio()), fmpq(*last.as_integer_ratio()))
-    corners = np.array(list(itertools.product(*zip(points.min(axis=0), points.max(axis=0), strict=True))))
-    middles, far = places(own, corners)
+    ends = np.stack([groups.min(axis=1), groups.max(axis=1)], axis=1)
+    corners = np.stack([ends[:, which, range(3)] for which in itertools.product((0, 1), repeat=3)], axis=1)
+    middles, far = places(own, corners.reshape(-1, 3))
     pad = far[..., None]
-    lo, hi = (middles - pad).min(axis=(0, 1)), (middles + pad).max(axis=(0, 1))
-    return _grown(lo, hi, error * _stretch(np.eye(3)), points)
+    lo, hi = ((middles + side * pad).reshape(len(middles), *corners.shape) for side in (-1, 1))
+    return _grown(lo.min(axis=(0, 2)), hi.max(axis=(0, 2)), error * _stretch(np.eye(3)), groups)
 
 
 def _steps(motion: AnyMotion, first: float, last: float) -> Iterator[tuple[Single, float, float, np.ndarray]]:
@@ -80,15 +88,15 @@ def _steps(motion: AnyMotion, first: float, last: float) -> Iterator[tuple[Singl
             yield step.motion, max(t0, 0.0), min(t1, 1.0), step.before.doubles()[:3]
 
 
-def _step_box(step: Single, t0: float, t1: float, points: np.ndarray, blur: float) -> Box:
-    """The box of points, each within `blur`, under one step."""
+def _step_boxes(step: Single, t0: float, t1: float, points: np.ndarray, blur: float) -> Box:
+    """The boxes of groups (k, n, 3) of points, each within `blur`, under one step."""
     if isinstance(step, Translation):
         lo, hi = _ahead(np.array([to_double(x) for x in step.vector]), t0, t1)
-        return _grown(points.min(axis=0) + lo, points.max(axis=0) + hi, blur, points)
+        return _grown(points.min(axis=1) + lo, points.max(axis=1) + hi, blur, points)
     if isinstance(step, RationalMotion):
-        controls = step.controls(fmpq(*t0.as_integer_ratio()), fmpq(*t1.as_integer_ratio()), PARTS)
+        controls, stretch = _controls(step, t0, t1)
         lo, hi, _, size = _hull(controls, points)
-        return _grown(lo, hi, blur * max(map(_stretch, controls[:, :3, :3])), size)
+        return _grown(lo, hi, blur * stretch, size)
     step = _precise(step)
     if not isinstance(step, Screw):
         raise InputError(f"the bounds of a body under {step!r} are not known; give one of the motions of firstcontact")
@@ -104,6 +112,13 @@ def _step_box(step: Single, t0: float, t1: float, points: np.ndarray, blur: floa
     lo, hi, chord, size = _hull(poses, points)
     bulge = BULGE * (2 * math.pi * turns / parts) * chord
     return _grown(lo + ahead[0], hi + ahead[1], blur + bulge + off, size)
+
+
+@lru_cache(maxsize=64)
+def _controls(step: RationalMotion, t0: float, t1: float) -> tuple[np.ndarray, float]:
+    """Poses in whose hull points stay, and how much they stretch: once for all bodies that the motion moves."""
+    controls = step.controls(fmpq(*t0.as_integer_ratio()), fmpq(*t1.as_integer_ratio()), PARTS)
+    return controls, max(map(_stretch, controls[:, :3, :3]))
 
 
 def _poses(step: Screw, times: np.ndarray, size: float) -> tuple[np.ndarray, float]:
@@ -128,21 +143,25 @@ def _precise(step: Single) -> Single:
     return Screw(step.axis, step.point, **{step.unit: step.angle}) if isinstance(step, Rotation) else step
 
 
-def _hull(poses: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Box of the points in all poses, longest way of a point between neighbouring poses, largest number met."""
+def _hull(poses: np.ndarray, groups: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Boxes of the groups (k, n, 3) in all poses, longest way of a point between neighbouring poses, largest number
+    met."""
+    points = groups.reshape(-1, 3)
     if len(points) * len(poses) <= AT_ONCE:
         moved = points @ poses[:, :3, :3].transpose(0, 2, 1) + poses[:, None, :3, 3]
         steps = moved[1:] - moved[:-1]
         chord = float(np.sqrt((steps * steps).sum(axis=2).max(initial=0.0)))
         sizes = np.abs(points).max() * np.abs(poses[:, :3, :3]).sum(axis=2).max(), np.abs(poses[:, :3, 3]).max()
-        return moved.min(axis=(0, 1)), moved.max(axis=(0, 1)), chord, float(max(sizes))
-    lo, hi, chord, size, last = np.full(3, np.inf), np.full(3, -np.inf), 0.0, 0.0, None
+        moved = moved.reshape(len(poses), *groups.shape)
+        return moved.min(axis=(0, 2)), moved.max(axis=(0, 2)), chord, float(max(sizes))
+    lo, hi = np.full((len(groups), 3), np.inf), np.full((len(groups), 3), -np.inf)
+    chord, size, last = 0.0, 0.0, None
     for pose in poses:
         linear, shift = pose[:3, :3], pose[:3, 3]
-        moved = points @ linear.T + shift
-        lo, hi = np.minimum(lo, moved.min(axis=0)), np.maximum(hi, moved.max(axis=0))
+        moved = groups @ linear.T + shift
+        lo, hi = np.minimum(lo, moved.min(axis=1)), np.maximum(hi, moved.max(axis=1))
         if last is not None:
-            chord = max(chord, float(np.linalg.norm(moved - last, axis=1).max()))
+            chord = max(chord, float(np.linalg.norm(moved - last, axis=2).max()))
         size = max(size, np.abs(points).max() * np.abs(linear).sum(axis=1).max(), np.abs(shift).max())
         last = moved
     return lo, hi, chord, size

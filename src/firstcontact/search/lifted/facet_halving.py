@@ -107,7 +107,7 @@ def halve_facets(paths, facets, origin, scale, room, still, swapped, motion, arc
     sense, err = -1.0 if swapped else 1.0, err_a + err_b
     sided = still or not turns(motion)  # of straight paths the side lines tell, too
     while integers[STACK] > 0:
-        reason = why_pause(integers, times.shape[0], limit)
+        reason = why_pause(integers, times.shape[0], limit, FEW_PAIRS)
         if reason != GO_ON:
             return reason
         here = integers[STACK] - 1
@@ -136,6 +136,9 @@ def halve_facets(paths, facets, origin, scale, room, still, swapped, motion, arc
         cut_paths = shares[here, 0] < shares[here, 1] or (shares[here, 0] == shares[here, 1] and m >= n)
         x_slot, y_slot = (A_FIRST, B_FIRST) if cut_paths or n == 1 else (B_FIRST, A_FIRST)
         first, last, y0, y1 = frame[x_slot], frame[x_slot + 1], frame[y_slot], frame[y_slot + 1]
+        reason = why_pause(integers, times.shape[0], limit, 2 * (y1 - y0))
+        if reason != GO_ON:
+            return reason
         top, count = frame[TOP], last - first
         for i in range(count):
             arena[top + i] = arena[first + i]

@@ -43,6 +43,8 @@ from firstcontact.search.lifted.space_cut import (
     slack_of,
 )
 from firstcontact.search.trees.state import (
+    ALLOWED,
+    BEYOND,
     CANDIDATES,
     CROWDED,
     DECIDE,
@@ -132,14 +134,17 @@ def room_for(m: int, n: int) -> Room:
 
 
 @uncounted
-def why_pause(integers, room, limit):
-    """GO_ON, or the reason to come back before the next frame: no room for its candidates, doubts, the limit."""
+def why_pause(integers, room, limit, cost):
+    """GO_ON, or the reason to come back before the next frame: no room for its candidates, doubts, the limit, and that
+    so many visits and tests more are not allowed."""
     if integers[CANDIDATES] + 2 * FEW_PAIRS + LEAF_ROOM > room:
         return FULL
     if integers[UNSURE_COUNT] >= UNSURE_BATCH:
         return DECIDE
     if integers[VISITS] >= limit:
         return SLICE_SPENT
+    if 0 < integers[ALLOWED] < integers[VISITS] + integers[TESTS] + cost:
+        return BEYOND
     return GO_ON
 
 
@@ -164,7 +169,7 @@ def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, er
     err = err_a + err_b
     slack = slack_of(a, b, motion, arc, reach, err, floats)
     while integers[STACK] > 0:
-        reason = why_pause(integers, times.shape[0], limit)
+        reason = why_pause(integers, times.shape[0], limit, FEW_PAIRS)
         if reason != GO_ON:
             return reason
         done = integers[QUERY] - 1
@@ -190,6 +195,10 @@ def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, er
             continue
         if frame[TOP] + 2 * (m + n) > arena.shape[0]:
             return CROWDED
+        cost = m + n if frame[KIND] == SPACE else 2 * min(m, n)
+        reason = why_pause(integers, times.shape[0], limit, cost)
+        if reason != GO_ON:
+            return reason
         if frame[KIND] == OPEN and m * n >= room.worth:
             begin_space(a, b, room, here, motion, arc, reach, slack, floats, integers)
         integers[STACK] = here
@@ -218,7 +227,7 @@ def _test_pairs(a, b, room, here, origin, scale, query, work, motion, arc, reach
     y, y0, y1 = (b, frame[B_FIRST], frame[B_LAST]) if by_a else (a, frame[A_FIRST], frame[A_LAST])
     m, written = x1 - x0, -1
     while frame[TESTED] < m * ((y1 - y0 + FEW_PAIRS - 1) // FEW_PAIRS):
-        reason = why_pause(integers, times.shape[0], limit)
+        reason = why_pause(integers, times.shape[0], limit, FEW_PAIRS)
         if reason != GO_ON:
             return reason
         first = y0 + FEW_PAIRS * (frame[TESTED] // m)

@@ -18,14 +18,14 @@ WHOLE = np.int64(0)
 # Added to the kind of a candidate that needs no exact answer to count.
 CERTAIN_KIND = 8
 
-# Why a kernel came back.
-DONE, SLICE_SPENT, FULL, DECIDE, CROSSING_FOUND = range(5)
+# Why a kernel came back.  BEYOND: the next step would take more than ALLOWED.
+DONE, SLICE_SPENT, FULL, DECIDE, CROSSING_FOUND, BEYOND = range(6)
 # Lists of a walk that cuts sets need more room.
 CROWDED = -1
 
 # Slots of the integer state.  LIFTED: 1 when the walk halves sets, 2 when it need not look at the start there; ARC,
-# PHASE, QUERY: its place.
-HEAP, STACK, CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL, LIFTED, ARC, PHASE, QUERY = range(11)
+# PHASE, QUERY: its place.  ALLOWED: visits and tests, of such a walk, whose steps are large; 0: any number.
+HEAP, STACK, CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL, LIFTED, ARC, PHASE, QUERY, ALLOWED = range(12)
 # Slots of the float state: earliest time, the same certain, latest certain, best time so far, present key, and
 # whether all contacts are wanted (then certain ones do not lower the best time).
 FIRST, SURE_FIRST, SURE_LAST, BEST, KEY, ALL = range(6)
@@ -52,7 +52,7 @@ class WalkState:
         self.times = np.empty((512, 2))
         self.candidates = np.empty((512, 5), np.int32)  # kind, part a, feature a, part b, feature b
         self.floats = np.zeros(6)
-        self.integers = np.zeros(11, np.int64)
+        self.integers = np.zeros(12, np.int64)
         self.scratch: Any = None  # of a walk that halves sets
 
     def start(

@@ -22,7 +22,19 @@ from firstcontact.search.sweep.sheets import sheets_of
 from firstcontact.search.sweep.sweep import LARGEST_GROUP, LOST, GroupCells, Order, cells_of, order_of, sweep_group
 from firstcontact.search.trees.frame import frame_of
 from firstcontact.search.trees.rounds import Finds, shared
-from firstcontact.search.trees.state import CANDIDATES, DECIDE, DONE, FULL, QUERY, SLICE_SPENT, VISITS, WalkState
+from firstcontact.search.trees.state import (
+    ALLOWED,
+    BEYOND,
+    CANDIDATES,
+    DECIDE,
+    DONE,
+    FULL,
+    QUERY,
+    SLICE_SPENT,
+    TESTS,
+    VISITS,
+    WalkState,
+)
 from firstcontact.search.trees.tree import Tree
 
 ROUND = 8
@@ -91,8 +103,11 @@ class SweptProblem:
         if side is None:  # a turn is searched in arcs, of which the first one swept it all
             return DONE
         while integers[QUERY] < side.count and len(side.points):
-            first = int(integers[QUERY])
-            jobs = [(k, Finds(state)) for k in range(first, min(first + ROUND, side.count))]
+            first, allowed = int(integers[QUERY]), int(integers[ALLOWED])
+            if 0 < allowed < integers[VISITS] + integers[TESTS] + len(side.points):  # a group takes about as many
+                return BEYOND
+            last = min(first + (1 if allowed else ROUND), side.count)
+            jobs = [(k, Finds(state)) for k in range(first, last)]
             shared(lambda job: self._sweep(side, *job), jobs, self.threads)
             for _, finds in jobs:
                 finds.hand_to(state)
