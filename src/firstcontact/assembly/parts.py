@@ -220,7 +220,7 @@ def _is_convex_beyond(side: Surface) -> bool:
     return positive == 0
 
 
-def _parts(body: Any, stands: CompositeQuadric) -> list[StartPart] | None:
+def _parts(body: Body, stands: CompositeQuadric) -> list[StartPart] | None:
     """Those of a solid; None where there are too many; stands: its shape at the start."""
     model: CompositeQuadric = shape_of(body)
     known: list[tuple[list[Tree], Any]] = [([], None)]

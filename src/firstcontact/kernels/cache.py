@@ -33,6 +33,8 @@ from firstcontact.kernels.notices import announce
 from firstcontact.kernels.parts import KernelPart, pieces_of, rebuilt, set_environments, within_another
 
 if TYPE_CHECKING:
+    from numba.core.compiler import CompileResult
+    from numba.core.cpu import CPUContext
     from numba.core.types import Type
 
 _OWN = __name__.partition(".")[0] + "."
@@ -88,7 +90,7 @@ class KernelCache(_Cache):  # type: ignore[misc]
     def cache_path(self) -> str:
         return str(FOLDER)
 
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
+    def load_overload(self, sig: Sequence[Type], target_context: CPUContext) -> CompileResult | None:
         """Without `target_context.refresh()`: what code is made with is loaded where it is made, which takes as long as
         ten kernels from files."""
         rtsys.initialize(target_context)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
 from typing import Any, TypeVar, cast
@@ -11,7 +11,7 @@ from typing import Any, TypeVar, cast
 from numba import njit
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.sigutils import normalize_signature
-from numba.core.types import unliteral
+from numba.core.types import Type, unliteral
 from numba.extending import overload
 
 from firstcontact.kernels.cache import FOLDER, IMPLEMENTATIONS, KernelCache
@@ -41,7 +41,7 @@ def kernel(function: Callable[..., Any], allocates: bool = True, inlined: bool =
     name = f"{function.__module__}.{function.__qualname__}"
     compile_or_load, template, known = dispatcher.compile, dispatcher.get_call_template, dispatcher.overloads
 
-    def alone(signature: Any) -> Any:
+    def alone(signature: object) -> object:
         # the lock of threads first: none of them waits for a file that another one of its process holds, and
         # processes wait for each other along calls only, which make no ring
         with global_compiler_lock, _no_other_process(name), compiling(dispatcher):
@@ -50,7 +50,7 @@ def kernel(function: Callable[..., Any], allocates: bool = True, inlined: bool =
                 del known[arguments]
             return compile_or_load(signature) if within_another() else roomy(compile_or_load, signature)
 
-    def of_numbers(arguments: Any, named: Any) -> Any:
+    def of_numbers(arguments: Iterable[Type], named: Mapping[str, Type]) -> tuple[object, ...]:
         """Once for all numbers that callers write out, not once for each."""
         return template(tuple(map(unliteral, arguments)), {name: unliteral(kind) for name, kind in named.items()})
 

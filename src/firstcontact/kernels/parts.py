@@ -23,7 +23,10 @@ from numba.core.typed_passes import NopythonRewrites
 from numba.core.untyped_passes import InlineClosureLikes
 
 if TYPE_CHECKING:
+    from numba.core.codegen import CPUCodegen
     from numba.core.compiler_machinery import PassManager
+    from numba.core.cpu import CPUContext
+    from numba.core.environment import Environment
 
 _begun: list[Dispatcher] = []
 """Kernels being compiled, each called by the one before it; under Numba's lock."""
@@ -53,7 +56,7 @@ class KernelPart(JITCodeLibrary):  # type: ignore[misc]
 
     of_kernel = True
 
-    def __init__(self, codegen: Any, name: str) -> None:
+    def __init__(self, codegen: CPUCodegen, name: str) -> None:
         super().__init__(codegen, name)
         self.needs: list[KernelPart] = []
         """All that is called, by what is called too, to be linked into a whole beside this: not into each caller."""
@@ -91,7 +94,7 @@ class KernelPart(JITCodeLibrary):  # type: ignore[misc]
         return code
 
     @property
-    def environments(self) -> list[Any]:
+    def environments(self) -> list[Environment]:
         """Where its code looks for what it raises."""
         names = (variable.name for variable in self._get_module_for_linking().global_variables)
         found = (lookup_environment(name) for name in names if name.startswith("_ZN08NumbaEnv"))
@@ -101,7 +104,7 @@ class KernelPart(JITCodeLibrary):  # type: ignore[misc]
 _link: Any = CPUCodeLibrary.add_linking_library
 
 
-def _link_all(library: Any, other: Any) -> None:
+def _link_all(library: CPUCodeLibrary, other: CPUCodeLibrary) -> None:
     _link(library, other)
     if isinstance(other, KernelPart):
         library._linking_libraries += other.needs
@@ -137,7 +140,7 @@ _read: dict[bytes, KernelPart] = {}
 """Parts from files, by their code: callers of the same ones share them."""
 
 
-def _part_of(context: Any, name: str, code: bytes) -> KernelPart:
+def _part_of(context: CPUContext, name: str, code: bytes) -> KernelPart:
     if (part := _read.get(code)) is None:
         part = _read[code] = KernelPart(context.codegen(), name)
         part.bitcode = code

@@ -133,7 +133,7 @@ def _in_columns(path: Path, key: str, names: list[str], points: list[Any]) -> di
     return {name: [point[key][j] for point in points if point.get(key)] for j, name in enumerate(names)}
 
 
-def _time(who: str, point: Any) -> fmpq:
+def _time(who: str, point: object) -> fmpq:
     """Seconds, exactly: a number, or whole seconds and nanoseconds."""
     if not isinstance(point, dict) or "time_from_start" not in point:
         raise InputError(f"{who} is {shown(point)}; give an object with positions and time_from_start")

@@ -39,14 +39,15 @@ class Motions:
         """Those of a slice or of an array of rows."""
         raise NotImplementedError
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[object, ...]:
         """What they are made of: arrays with a row for each motion first."""
         raise NotImplementedError
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Motions) or type(self) is not type(other):
             return NotImplemented
-        return all(np.array_equal(x, y) for x, y in zip(self._facts(), other._facts(), strict=True))
+        pairs = zip(self._facts(), other._facts(), strict=True)
+        return all(np.array_equal(np.asarray(x), np.asarray(y)) for x, y in pairs)
 
     def __hash__(self) -> int:
         return hash((type(self), len(self)))
@@ -88,7 +89,7 @@ class Translations(Motions):
     def __len__(self) -> int:
         return len(self.vectors)
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[object, ...]:
         return (self.vectors,)
 
     def one(self, row: int) -> Translation:
@@ -141,7 +142,7 @@ class Rotations(Motions):
     def __len__(self) -> int:
         return len(self.angles)
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[object, ...]:
         return self.axes, self.points, self.angles, self.unit
 
     def one(self, row: int) -> Rotation:
@@ -176,7 +177,7 @@ class Poses(Motions):
     def __len__(self) -> int:
         return len(self.poses)
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[object, ...]:
         return self.poses, self.snap
 
     def one(self, row: int) -> RationalMotion:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from flint import arb, fmpq
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 # Bits at which a pose is enclosed before it is rounded: even an axis 2^60 away leaves more than a double holds.
 POSE_BITS = 256
+
+M = TypeVar("M", bound="AnyMotion")
 
 
 class Screw(Motion):
@@ -120,7 +122,7 @@ class Screw(Motion):
         return _rebuild, (axis, point, self.unit, fraction(self.angle), fraction(self.advance))
 
 
-def simple(motion: AnyMotion) -> Any:
+def simple(motion: M) -> M | Screw | Rotation | Translation:
     """A screw that only turns, or only advances, as a Rotation or Translation; any other motion itself."""
     return motion.reduced() if isinstance(motion, Screw) else motion
 

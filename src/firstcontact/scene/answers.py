@@ -42,7 +42,7 @@ from firstcontact.result_curve import (
 from firstcontact.scene.values import Table, list_of
 
 if TYPE_CHECKING:
-    from firstcontact.result import Json
+    from firstcontact.result import ExactTime, Json
     from firstcontact.result_curve import ExactParameter
 
 _TERM = re.compile(r"([+-]?)(\d*)(x?)(?:\^(\d+))?")
@@ -100,7 +100,9 @@ def _parameter(text: Json) -> ExactParameter | ReadExact | None:
     return _exact(text)
 
 
-def _time(exact: Any, time: float | None) -> Any:
+def _time(
+    exact: ExactTime | tuple[Fraction | AlgebraicNumber, Fraction | AlgebraicNumber] | None, time: float | None
+) -> ExactTime | None:
     if not isinstance(exact, tuple):
         return exact
     cosine, sine = exact

@@ -27,6 +27,7 @@ from firstcontact.step.units import MILLIMETRES, unit_of
 if TYPE_CHECKING:
     from OCP.gp import gp_Trsf
     from OCP.IFSelect import IFSelect_ReturnStatus
+    from OCP.Standard import Standard_Transient
     from OCP.STEPControl import STEPControl_Reader
     from OCP.TDF import TDF_Label
     from OCP.TDocStd import TDocStd_Document
@@ -293,7 +294,7 @@ class _Entities:
         return {shape.TShape(): number for number, shape in shapes if shape is not None}
 
     @cached_property
-    def _topology(self) -> list[tuple[int, Any]]:
+    def _topology(self) -> list[tuple[int, Standard_Transient]]:
         """The entities of topology with their numbers; none where the model is not as the text."""
         model = self.reader.StepModel()
         if model.NbEntities() != len(self.kinds):
@@ -303,7 +304,7 @@ class _Entities:
             return []
         return [(number, entity) for number, _, entity in found]
 
-    def _shape(self, entity: Any) -> TopoDS_Shape | None:
+    def _shape(self, entity: Standard_Transient) -> TopoDS_Shape | None:
         from OCP.STEPConstruct import STEPConstruct
 
         process = self.reader.WS().TransferReader().TransientProcess()

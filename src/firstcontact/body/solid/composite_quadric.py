@@ -669,8 +669,9 @@ def _overlap(first: Box | None, second: Box | None) -> Box | None:
 
 
 def solid(
-    leaves: Sequence[tuple[str, Surface]], edges: Sequence[tuple[str, str, str]] = (), **known: Any
-) -> CompositeQuadric:
+    leaves: Sequence[tuple[str, Surface]], edges: Sequence[tuple[str, str, str]] = (), *,
+    box: Box | None = None, witness: Vector | None = None, name: str | None = None,
+) -> CompositeQuadric:  # fmt: skip
     """The intersection of named half-spaces."""
     from firstcontact.body.solid.csg import conjunction
 
@@ -683,7 +684,8 @@ def solid(
         number = tree.inner if isinstance(tree, Not) else tree
         assert isinstance(number, Leaf)
         labels.append((number.surface, -1 if isinstance(tree, Not) else 1, label))
-    return CompositeQuadric(surfaces, conjunction(trees), [LabelledPart("", tuple(labels), tuple(edges))], **known)
+    parts = [LabelledPart("", tuple(labels), tuple(edges))]
+    return CompositeQuadric(surfaces, conjunction(trees), parts, box=box, witness=witness, name=name)
 
 
 def form_of(rows: Rows) -> Quadric:

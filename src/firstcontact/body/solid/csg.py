@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     import numpy as np
@@ -46,15 +46,18 @@ class Not:
 Tree = Leaf | And | Or | Not
 
 
-def inside(tree: Tree, negative: Sequence[Any]) -> Any:
+def inside(tree: Tree, negative: Sequence[Truth]) -> Truth:
     """The raw Boolean value; negative[i]: whether form i is negative, as bools or as arrays of bools."""
     if isinstance(tree, Leaf):
         return negative[tree.surface]
+    value: Truth
     if isinstance(tree, Not):
-        value = inside(tree.inner, negative)
-        return not value if isinstance(value, bool) else ~value
-    first, second = inside(tree.first, negative), inside(tree.second, negative)
-    return first & second if isinstance(tree, And) else first | second
+        inner = inside(tree.inner, negative)
+        value = not inner if isinstance(inner, bool) else ~inner
+    else:
+        first, second = inside(tree.first, negative), inside(tree.second, negative)
+        value = first & second if isinstance(tree, And) else first | second
+    return value
 
 
 def possible(tree: Tree, below: Sequence[Truth], above: Sequence[Truth]) -> tuple[Truth, Truth]:

@@ -8,10 +8,10 @@ and its line passes all three sides on one hand, the triangle holds a point of i
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from flint import arb
+from flint import arb, arb_series
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
@@ -95,7 +95,7 @@ class TipWays:
         middle = sign * (exact_value(window.first) + exact_value(window.last)) / 2
         return step_at(self.motions, middle), sign
 
-    def _heights(self, pose: list[list[Any]], pierced: Pierced) -> list[Any]:
+    def _heights(self, pose: list[list[arb_series]], pierced: Pierced) -> list[arb_series]:
         """Of tip and end over the triangle's plane, and of its sides about the segment, as series; up to factors."""
         corners = [self.mesh.exact_vertex(i) for i in self.mesh.triangles[pierced.triangle].tolist()]
         p, q, r = ([dot(row, [arb(c) for c in x]) + row[3] for row in pose] for x in corners)

@@ -110,7 +110,7 @@ def _at_contact(query: Query, proved: Advance) -> FirstContact | Passed:
         return _undecided(query, proved, "budget")
     if found is None or search is None:
         return Passed("algebra does not tell")
-    return _with(found, stats=query.stats(proved.steps, proved.gaps + len(search.tasks), len(search.verdicts)))
+    return replace(found, stats=query.stats(proved.steps, proved.gaps + len(search.tasks), len(search.verdicts)))
 
 
 def _exactly(query: Query, proved: Advance | None) -> FirstContact | Passed:
@@ -157,7 +157,7 @@ def _proved_only(query: Query, models: tuple[Model, Model], proved: Advance) -> 
         if there.status is Status.INITIAL_CONTACT:
             return there
         if proved.status == "initial":  # proved for the true pose, though its doubles do not touch
-            return _with(
+            return replace(
                 there, status=Status.INITIAL_CONTACT, time=start, time_interval=(start, start), free_until=start
             )
         if there.status is Status.FREE and proved.reason == "precision" and _starts_rational(query):
@@ -192,7 +192,7 @@ def _landed(query: Query, a: Model, b: Model, proved: Advance) -> FirstContact |
         return None
     pair = found[0].pair
     seen = contact_of(*found, False, {**query.shared, "a": pair.a, "b": pair.b})
-    return _with(
+    return replace(
         seen, a=query.a, b=query.b, time=to_double(instant), time_interval=(free_until, above(instant)),
         free_until=free_until, stats=query.stats(proved.steps, proved.gaps),
     )  # fmt: skip
@@ -223,7 +223,7 @@ def _at_start(query: Query) -> FirstContact:
 
     found = decided(x)
     told = rational or found.initial is None or all(decided(z).initial == found.initial for z in _smaller_and_larger(x))
-    return _with(found, initial=found.initial if told else None, **query.shared)
+    return replace(found, initial=found.initial if told else None, **query.shared)
 
 
 def _starts_rational(query: Query) -> bool:
@@ -286,7 +286,7 @@ def _decided(query: Query, work: Work) -> FirstContact:
             )
     evaluations = sum(len(search.verdicts) for search in searches)
     stats = query.stats(0, sum(len(s.tasks) for s in searches), evaluations)
-    return _with(answer, stats=stats, subproblems=listed(searches, query.b) if with_list else ())
+    return replace(answer, stats=stats, subproblems=listed(searches, query.b) if with_list else ())
 
 
 @ignoring_idle_turns
@@ -405,12 +405,8 @@ def _initial(search: CandidateSearch, touching: list[Meeting], query: Query) -> 
     found = FirstContact(Status.INITIAL_CONTACT, start, (start, start), exactly, **query.shared)
     if touching:
         point = contact_of(search, touching, False, query.shared)
-        found = _with(
+        found = replace(
             found, point=point.point, element_a=point.element_a, element_b=point.element_b, others=point.others,
             multiplicity=point.multiplicity, contact_set=point.contact_set,
         )  # fmt: skip
-    return _with(found, initial=kind, free_until=start)
-
-
-def _with(answer: FirstContact, **changes: Any) -> FirstContact:
-    return replace(answer, **changes)
+    return replace(found, initial=kind, free_until=start)

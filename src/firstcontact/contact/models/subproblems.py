@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import fmpz_poly
 
@@ -34,6 +34,9 @@ from firstcontact.pairs.carriers import (
 )
 from firstcontact.pairs.carriers.cases import Case, case_of
 from firstcontact.pairs.carriers.contact import Contacts, Equation
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 Feature = Face | Edge | Vertex
 
@@ -120,7 +123,7 @@ def _subproblem(pair: MovingPair, x: _Carrier, y: _Carrier, case: Case) -> Subpr
     )  # fmt: skip
 
 
-def _conics(solver: Any) -> tuple[Any, Any]:
+def _conics(solver: ModuleType) -> tuple[Callable[..., Equation], Callable[..., Contacts]]:
     """Case VII takes the two matrices of each conic together."""
     return (
         lambda p, c, q, d: solver.equation((p, c), (q, d)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from firstcontact.contact.polyhedra.earliest import FoundFirst, Pair, Problem, S
 from firstcontact.contact.polyhedra.facing import NEAR, best_apart
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.exact.times.instants import Instant
-from firstcontact.motion.moving import Moving
+from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import MotionPiece
 from firstcontact.result import MOST_OTHERS, ContactInterval, Element, ElementPair, FirstContact, Stats, Status
@@ -23,6 +23,7 @@ from firstcontact.work import Work
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
     from firstcontact.work import QuestionFields
 
 # Pairs at a contact whose normals are looked at.
@@ -30,18 +31,17 @@ MOST_NORMALS = 64
 _NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
 
 
-def _users(body: Any, found: Feature) -> Feature:
+def _users(body: Body, found: Feature) -> Feature:
     """The element as users count: polygons instead of triangles, points instead of their stand-ins."""
-    if isinstance(body, Moving):
-        body = body.body
+    mesh: Polyhedron = shape_of(body)
     kind, index = found
     if kind == FACE:
-        return FACE, int(body.triangle_face[index])
-    if kind == EDGE and index >= len(body.segments):
-        return VERTEX, index - len(body.segments)
-    if kind == EDGE and index >= len(body.edges):  # a diagonal of a polygon belongs to its face
-        triangle = int(np.argwhere(body.side_edge == index)[0, 0])
-        return FACE, int(body.triangle_face[triangle])
+        return FACE, int(mesh.triangle_face[index])
+    if kind == EDGE and index >= len(mesh.segments):
+        return VERTEX, index - len(mesh.segments)
+    if kind == EDGE and index >= len(mesh.edges):  # a diagonal of a polygon belongs to its face
+        triangle = int(np.argwhere(mesh.side_edge == index)[0, 0])
+        return FACE, int(mesh.triangle_face[triangle])
     return found
 
 

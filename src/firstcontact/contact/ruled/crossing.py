@@ -6,7 +6,7 @@ reach.  A parallelogram has other rulings, across; no line of one piece is one o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
@@ -26,7 +26,7 @@ def across(x: RuledBody, y: RuledBody) -> tuple[RuledBody, RuledBody, tuple[bool
     turned = [False, False]
     if any(j for shape in shapes for trim in shape.trim for _, j in trim.polynomial.to_dict()):
         ways = [_way(shape) for shape in shapes]
-        if ways[0] is not None and ways[1] is not None and not any(cross(*ways)):
+        if ways[0] is not None and ways[1] is not None and not any(cross(ways[0], ways[1])):
             for k in sorted((0, 1), key=lambda k: len(shapes[k].trim)):
                 other = shapes[k].crossed()
                 if other is not None:
@@ -37,7 +37,7 @@ def across(x: RuledBody, y: RuledBody) -> tuple[RuledBody, RuledBody, tuple[bool
     return bodies[0], bodies[1], (turned[0], turned[1])
 
 
-def _way(piece: RuledSurface) -> Any:
+def _way(piece: RuledSurface) -> tuple[fmpq, ...] | None:
     """The way of a piece's rulings; None where they are not all parallel, or may not be at all times."""
     if piece.deforming:
         return None

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from flint import arb, fmpq, fmpz_mpoly
@@ -26,7 +26,8 @@ from firstcontact.exact.numbers import dyadic, precision, to_double
 from firstcontact.result_curve import Branch, BranchEnd
 
 if TYPE_CHECKING:
-    from firstcontact.curves.with_solids.solid_curve import _SheetParts
+    from firstcontact.curves.exactly.piece_borders import BorderCurve
+    from firstcontact.curves.with_solids.solid_curve import _Sheet, _SheetParts
     from firstcontact.exact.curves.plane_curves import Graph, Node, PlaneEdge
 
 # Where branches to infinity are cut, in units of the size of the directrices.
@@ -98,6 +99,13 @@ def add_apex(found: FoundCurve, line: fmpz_mpoly, apex: np.ndarray, side: int, p
             return
 
 
+class InSpace(Protocol):
+    """What tells where points of a chart are in space."""
+
+    def spot(self, chart: tuple[bool, bool], x: arb, y: arb, bits: int) -> Spot: ...
+    def surfaces(self) -> Surfaces | _Sheet | BorderCurve: ...
+
+
 class Meetings:
     """Where a pair (u, v) of rulings is in space: the point in which they meet."""
 
@@ -115,7 +123,7 @@ class Meetings:
 class Joints:
     """The nodes of a graph in space; `place` tells where (u, v) is."""
 
-    def __init__(self, found: FoundCurve | _SheetParts, graph: Graph, place: Any) -> None:
+    def __init__(self, found: FoundCurve | _SheetParts, graph: Graph, place: InSpace) -> None:
         self.found, self.graph, self.in_space = found, graph, place
         self._spots: dict[int, Spot] = {}
         self._limits: dict[int, list[np.ndarray]] = defaultdict(list)

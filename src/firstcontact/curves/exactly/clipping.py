@@ -7,10 +7,10 @@ of polynomials in u, v with a sign too.  Their common zeros with Delta become no
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cmp_to_key, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, fmpq, fmpz_mpoly, fmpz_poly
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from firstcontact.exact.curves.plane_curves import Node, PlaneEdge
 
 Degrees = tuple[int, int]
+Along = Callable[[fmpz_poly], fmpz_mpoly]
+"""A polynomial of one parameter as one in u and v: `in_u` or `in_v`."""
 # Precision at which a bound that cannot be told from equality is named at an end: agreement to 1e-90.
 EQUAL_BITS = 320
 # Of points on common rulings.
@@ -144,7 +146,9 @@ def _signs(c: Condition, u: Parameter, v: Parameter) -> int:
     return found
 
 
-def _trim(piece: RulingPiece, g: Inequality, pair: Any, along: Any, own: int) -> Condition:
+def _trim(
+    piece: RulingPiece, g: Inequality, pair: Sequence[tuple[fmpz_mpoly, Degrees]], along: Along, own: int
+) -> Condition:
     """g(u, s) >= 0 with s = -D3 W2 / (D4 W1 - D3 W2), times an even power of the denominator."""
     (d1, degrees), (d2, other) = pair
     w1, w2 = along(piece.rulings.first[3]), along(piece.rulings.second[3])
@@ -200,7 +204,7 @@ def overlap(p: RulingPiece, q: RulingPiece, u: Parameter, v: Parameter) -> np.nd
 class _RulingEnd:
     """An end of a ruling on a line, ordered by its coordinate j."""
 
-    def __init__(self, curve: Any, j: int, along: Any, u: AlgebraicRoot, v: AlgebraicRoot) -> None:
+    def __init__(self, curve: Sequence[fmpz_poly], j: int, along: Along, u: AlgebraicRoot, v: AlgebraicRoot) -> None:
         self.curve, self.root, self.at = curve, u if along is in_u else v, (u, v)
         self.x, self.w = along(curve[j]), along(curve[3])
 

@@ -24,6 +24,7 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import to_double
 
 if TYPE_CHECKING:
+    from firstcontact.curves.exactly.piece_borders import BorderCurve
     from firstcontact.curves.with_solids.solid_curve import _Sheet
 
 # Parts of an edge before any refinement.
@@ -230,7 +231,7 @@ class Tracer:
     """Polylines of all strands of one graph at once: arrays hold one entry per point."""
 
     def __init__(
-        self, surfaces: Surfaces | _Sheet, factors: Sequence[fmpz_mpoly], strands: Sequence[TracedStrand]
+        self, surfaces: Surfaces | _Sheet | BorderCurve, factors: Sequence[fmpz_mpoly], strands: Sequence[TracedStrand]
     ) -> None:
         self.surfaces, self.strands = surfaces, strands
         self.coefficients = [matrix(f) for f in factors]

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from firstcontact.body.solid.carriers import Quadric
     from firstcontact.curves.exactly.spots import Box
-    from firstcontact.curves.fields import CurveFields
+    from firstcontact.curves.fields import CurveFields, Where
     from firstcontact.exact.curves.plane_curves import Graph, Node, PlaneEdge
     from firstcontact.result_curve import ExactPair
 
@@ -158,7 +158,7 @@ class _SheetParts(Parts):
         super().__init__(tolerance)
         self.piece, self.clip, self.first = piece, clip, first
 
-    def exact(self, where: Any) -> ExactParameters:
+    def exact(self, where: Where) -> ExactParameters:
         def pair() -> ExactPair:
             u = self.piece.user_parameter(where.u)
             known = math.inf if u is None else number(u)

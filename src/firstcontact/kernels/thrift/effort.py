@@ -47,7 +47,7 @@ def _optimize(library: CPUCodeLibrary) -> None:
         passes.run(module, builder)
 
 
-def _finalize_with_less(library: Any) -> None:
+def _finalize_with_less(library: JITCodeLibrary) -> None:
     """Numba's way with machine code that is there already, which it takes for code from a file, and lets go of."""
     code = None
     if library._object_caching_enabled and not library._compiled_object and not _is_walk(library):

@@ -40,8 +40,8 @@ def _shapes_differ(src_shapes: tuple[int, ...], index_shape: tuple[int, ...]) ->
 
 
 @overload(_shapes_differ)
-def _overload_shapes_differ(src_shapes: Any, index_shape: Any) -> Callable[[Any, Any], None]:
-    def differ(src_shapes: Any, index_shape: Any) -> None:
+def _overload_shapes_differ(src_shapes: object, index_shape: object) -> Callable[[object, object], None]:
+    def differ(src_shapes: object, index_shape: object) -> None:
         raise ValueError("an array is assigned from one of another shape")
 
     return differ

@@ -143,7 +143,7 @@ def plane_through(a: Vector, b: Vector, c: Vector) -> Vector:
     return tuple(minors)
 
 
-def left_inverse(basis: Form) -> tuple[Form, Any]:
+def left_inverse(basis: Form) -> tuple[Form, fmpz_poly]:
     """(S, s) with S P = s I (3x4 times 4x3), s = N.N the square of the plane of P, hence positive."""
     a, b, c = columns(basis)
     plane = plane_through(a, b, c)

@@ -10,7 +10,7 @@ D lam, D (1 - lam), D mu and D (1 - mu) to have one common sign, zeros allowed, 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from flint import fmpz
 
@@ -21,6 +21,9 @@ from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, cross_size, quotient, slack3
 from firstcontact.kernels.verdict import cross as cross_f
 from firstcontact.pairs.elements import point_line
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import Scalar
 
 
 @uncounted
@@ -144,7 +147,9 @@ def segments_cross(a: Vector, b: Vector, c: Vector, d: Vector) -> bool:
     return sign(lam) > 0 and sign(nn - lam) > 0 and sign(mu) > 0 and sign(nn - mu) > 0
 
 
-def contact_place(a: Vector, b: Vector, c: Vector, d: Vector, v: Vector, t: Any) -> tuple[Any, Any, Any, Any]:
+def contact_place(
+    a: Vector, b: Vector, c: Vector, d: Vector, v: Vector, t: object
+) -> tuple[Scalar, Scalar, Scalar, Scalar | int]:
     """`contact_point` as numerators and denominator, of whole numbers without divisions."""
     e, f, w = sub(b, a), sub(d, c), sub(c, a)
     h = cross(v, e)

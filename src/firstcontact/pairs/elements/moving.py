@@ -8,7 +8,7 @@ parallel edges), contacts begin and end with events of lower dimension.  The for
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import arb_series, fmpz, fmpz_poly
 
@@ -73,7 +73,7 @@ def above_line(x: Point, e: Vector, c: Vector, d: Vector) -> arb_series:
 
 
 
-def times(rows: MatrixOf[Any], p: Vector, scale: fmpz | int) -> Point:
+def times(rows: MatrixOf[fmpz_poly], p: Vector, scale: fmpz | int) -> Point:
     """A pose (4x4 polynomials) applied to the point p / scale, times scale."""
     x, y, z = (row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3] * scale for row in rows[:3])
     return (x, y, z), rows[3][3]

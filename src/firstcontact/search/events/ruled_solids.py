@@ -411,7 +411,7 @@ class RuledSolidEvent:
 
     # -- where and when -------------------------------------------------------------------------------------
 
-    def _values(self, place: Sequence[Any], t: fmpq) -> tuple[list[Any], list[list[Any]], list[list[Any]]]:
+    def _values(self, place: Sequence[fmpq], t: fmpq) -> tuple[list[arb], list[list[arb]], list[list[arb]]]:
         """Of all surfaces: values, derivatives by the free parameters, gradients in the model's frame."""
         m = self.relative(t)
         x, s = (arb(c) for c in place)
@@ -433,7 +433,7 @@ class RuledSolidEvent:
             slopes.append([2 * (image[0] * d[0] + image[1] * d[1] + image[2] * d[2]) for d in turned])
         return values, slopes, gradients
 
-    def _held(self, place: Sequence[Any]) -> tuple[list[Any], list[list[Any]]]:
+    def _held(self, place: Sequence[fmpq]) -> tuple[list[arb], list[list[arb]]]:
         """Of its inequalities: values, derivatives by the free parameters."""
         x, s = (arb(c) for c in place)
         slopes = [cut.slopes(x, s) for cut in self.cuts]
@@ -441,8 +441,8 @@ class RuledSolidEvent:
 
     def _equations(self, z: Sequence[fmpq]) -> list[arb]:
         place = list(self.place)
-        for k, c in zip(self.free, z, strict=False):
-            place[k] = c
+        for k, x in zip(self.free, z, strict=False):
+            place[k] = x
         values, slopes, _ = self._values(place, z[-1])
         held, ways = self._held(place)
         if isinstance(self.other, Face):
