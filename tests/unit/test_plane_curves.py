@@ -7,7 +7,7 @@ import random
 import pytest
 from flint import fmpq, fmpz_poly
 
-from firstcontact.exact.curves.plane_curves import Branch, Graph, reciprocal, topology
+from firstcontact.exact.curves.plane_curves import Graph, RootEdge, reciprocal, topology
 from firstcontact.exact.polynomials.bivariate import U, V, factors, polynomial, restrict, sign_at
 
 u, v = U, V
@@ -336,7 +336,7 @@ def check_counts(graph: Graph, f, box) -> None:
             roots = [z for z in roots if z > box[1][0] and z < box[1][1]]
         met = 0
         for edge in graph.edges:
-            assert isinstance(edge, Branch)
+            assert isinstance(edge, RootEdge)
             at = 1 / x if edge.chart[0] else x
             if edge.limits[0].compare(at) < 0 < edge.limits[-1].compare(at):
                 y = edge.at(at)

@@ -79,7 +79,7 @@ Quadratic = tuple[fmpq, fmpq, fmpq]
 
 
 @dataclass(frozen=True)
-class Heights:
+class Clearance:
     """Quadratics in tau: while all are positive, the body is off the plane; only for tau^2 up to `most`, if given."""
 
     of_points: list[Quadratic]
@@ -147,7 +147,7 @@ def lift_of(body: Body, other: Body, time: fmpq) -> Lift | None:
     return Lift(step, step.motion.axis if forward else scaled(-1, step.motion.axis), step.motion.point)
 
 
-def _heights(reach: Reach, plane: Plane, lift: Lift) -> Iterator[Heights]:
+def _heights(reach: Reach, plane: Plane, lift: Lift) -> Iterator[Clearance]:
     """Of a body where the plane's form is not negative, in more than one way."""
     along, under = cross(plane.normal[:3], lift.axis), -plane.value((*lift.point, 1))
     square = dot(lift.axis, lift.axis)
@@ -160,14 +160,14 @@ def _heights(reach: Reach, plane: Plane, lift: Lift) -> Iterator[Heights]:
         return length
 
     if not isinstance(reach, Hull):
-        yield Heights([quadratic(plane.value((*p, 1)), ahead(p)) for p in reach])
+        yield Clearance([quadratic(plane.value((*p, 1)), ahead(p)) for p in reach])
         return
     for centre in _centres_of_balls_over(plane, reach.sides):
-        yield Heights([quadratic(_0, ahead(centre), plane.value((*centre, 1)) + under)])
+        yield Clearance([quadratic(_0, ahead(centre), plane.value((*centre, 1)) + under)])
     corners = list(product(*zip(*reach.box, strict=True)))
     if np.isfinite(reach.box).all():
         least = min(ahead((exact_value(x), exact_value(y), exact_value(z))) for x, y, z in corners)
-        yield Heights([quadratic(_0, least)], 1 / square)
+        yield Clearance([quadratic(_0, least)], 1 / square)
 
 
 def _centres_of_balls_over(plane: Plane, sides: Iterable[Surface]) -> Iterator[Vector]:

@@ -23,7 +23,7 @@ from firstcontact.body.solid.features import EDGE_KINDS, EdgePiece, NotDerived, 
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent
 from firstcontact.body.solid.regions import Region, Regions, holds_ball, hull
 from firstcontact.body.solid.trimming import BITS
-from firstcontact.exact.curves.quadric_curve import Branch, BranchSweep, Degenerate, QuadricEnd, swept
+from firstcontact.exact.curves.quadric_curve import BranchSweep, Degenerate, QuadricBranch, QuadricEnd, swept
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision, simplest
 from firstcontact.exact.vectors import cross
 
@@ -209,7 +209,7 @@ def value_and_slope(forms: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.nd
 # -- branches -----------------------------------------------------------------------------------------------
 
 
-Way = tuple[Branch, bool]
+Way = tuple[QuadricBranch, bool]
 """Along a branch; True: towards larger u."""
 
 
@@ -229,12 +229,12 @@ class _Curve:
     tree: Tree
     surfaces: Sequence[Surface]
     on: tuple[int, ...]
-    corners: Any
+    corners: _Corners
     box: Region
     known: Sequence[int]
     """Signs of forms that have one all over the box."""
     sweep: BranchSweep = field(init=False)
-    profiles: dict[Branch, Profile] = field(default_factory=dict)
+    profiles: dict[QuadricBranch, Profile] = field(default_factory=dict)
     links: dict[Way, _Link] = field(default_factory=dict)
     planes: dict[int, dict[float, np.ndarray]] = field(default_factory=dict)
     """Of every cell the planes looked at, by the angle that the planes at its ends have 0 and pi of: (k, 3) points."""
@@ -259,7 +259,7 @@ class _Curve:
         for event in sorted({b.cell + s for b in self.profiles for s in (-1, 0)}):
             self._join(event)
 
-    def _profile(self, branch: Branch) -> Profile:
+    def _profile(self, branch: QuadricBranch) -> Profile:
         signs = list(self.known)
         for k in self.on:
             signs[k] = 0
@@ -299,7 +299,7 @@ class _Curve:
         same = a is b or (a is not None and b is not None and (a.kind, a.faces) == (b.kind, b.faces))
         return first.signs != second.signs or not same
 
-    def _corner(self, pair: tuple[QuadricEnd, QuadricEnd], point: list[arb]) -> Any:
+    def _corner(self, pair: tuple[QuadricEnd, QuadricEnd], point: list[arb]) -> _Corner:
         """The corner where the curve crosses another surface; or a singular point of the curve, not proved."""
         signs = (end.branch.signs for end in pair)
         changed = [k for k, s, t in zip(self.rest, *signs, strict=True) if s != t]
@@ -349,7 +349,7 @@ class _Curve:
                 found.append(self._stretch(steps))
         return found
 
-    def _kind(self, branch: Branch) -> str | None:
+    def _kind(self, branch: QuadricBranch) -> str | None:
         return self.profiles[branch].kind if branch in self.profiles else None
 
     def _next(self, way: Way) -> tuple[_Link, Way]:
@@ -358,7 +358,7 @@ class _Curve:
         other = link.ends[(link.ends[0].branch, link.ends[0].upper) == way]
         return link, (other.branch, not other.upper)
 
-    def _back(self, branch: Branch) -> Way:
+    def _back(self, branch: QuadricBranch) -> Way:
         """The way along the edge that the branch is on, from its beginning or, where it is closed, from a corner."""
         way: Way = (branch, False)
         corner = None
@@ -389,7 +389,7 @@ class _Curve:
             parts += [inner if upper else inner[::-1], np.array([[float(c) for c in self.links[branch, upper].point]])]
         return _Stretch(np.concatenate(parts), self.profiles[steps[0][0]], first.corner, last.corner)
 
-    def _points(self, branch: Branch) -> np.ndarray:
+    def _points(self, branch: QuadricBranch) -> np.ndarray:
         """(n, 3) float64 points inside the branch, neighbours at most a step apart, towards larger u."""
         planes = self.planes.setdefault(branch.cell, {})
         angles = [(k + 0.5) * np.pi / FEWEST for k in range(FEWEST)]

@@ -19,7 +19,7 @@ from firstcontact.exact.numbers import to_double
 
 
 @dataclass(frozen=True, eq=False)
-class Chart:
+class MeshChart:
     """One sheet.
 
     origin, axes: y = axes (x - origin) are the coordinates of the text, h last.
@@ -73,7 +73,7 @@ class Chart:
         return self.origin + np.linalg.solve(self.axes, y.T).T
 
 
-def charts(surface: Surface, points: np.ndarray) -> list[Chart]:
+def charts(surface: Surface, points: np.ndarray) -> list[MeshChart]:
     """The charts of all sheets; points: (n, 3) points on the surface whose rays are well inside the charts."""
     matrix = np.array(doubles(surface.matrix()))
     if isinstance(surface, Plane):
@@ -131,18 +131,20 @@ def _in_frame(form: np.ndarray, origin: np.ndarray, axes: np.ndarray) -> np.ndar
     return here
 
 
-def _graph(form: np.ndarray, start: np.ndarray, axes: np.ndarray, sheet: int, points: np.ndarray) -> Chart:
+def _graph(form: np.ndarray, start: np.ndarray, axes: np.ndarray, sheet: int, points: np.ndarray) -> MeshChart:
     """Over the plane of the first two axes, with the points in the square |u|, |v| <= 1."""
     flat = (points - start) @ axes[:2].T
     lo, hi = flat.min(axis=0), flat.max(axis=0)
     origin = start + (lo + hi) / 2 @ axes[:2]
     axes = axes / np.array([*np.maximum((hi - lo) / 2, 1e-9 * (hi - lo).max()), 1.0])[:, None]
     corners = np.array([[4.1, 3.9, 1], [-3.7, 4.3, 1], [-4.2, -3.8, 1], [3.9, -4.4, 1], [0.01, 0.02, -1]])
-    return Chart(origin, axes, _in_frame(form, origin, axes), sheet, corners)
+    return MeshChart(origin, axes, _in_frame(form, origin, axes), sheet, corners)
 
 
-def _central(form: np.ndarray, origin: np.ndarray, axes: np.ndarray, base: np.ndarray, whole: bool = False) -> Chart:
-    return Chart(origin, axes, _in_frame(form, origin, axes), None, base, whole)
+def _central(
+    form: np.ndarray, origin: np.ndarray, axes: np.ndarray, base: np.ndarray, whole: bool = False
+) -> MeshChart:
+    return MeshChart(origin, axes, _in_frame(form, origin, axes), None, base, whole)
 
 
 def _icosahedron() -> np.ndarray:

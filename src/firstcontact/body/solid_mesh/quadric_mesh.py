@@ -17,7 +17,7 @@ import numpy as np
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.polyhedron.topology import component_of_vertices
 from firstcontact.body.solid.csg import inside
-from firstcontact.body.solid_mesh.mesh_charts import Chart, charts
+from firstcontact.body.solid_mesh.mesh_charts import MeshChart, charts
 from firstcontact.body.solid_mesh.mesh_curves import Samples
 from firstcontact.body.solid_mesh.mesh_net import Crossing, SphereNet
 from firstcontact.errors import InputError, UnsupportedPair
@@ -117,7 +117,7 @@ class _Skin:
 
     surface: int
     form: np.ndarray
-    chart: Chart
+    chart: MeshChart
     rays: np.ndarray
     points: np.ndarray
     numbers: np.ndarray
@@ -212,7 +212,7 @@ def _skins(body: CompositeQuadric, i: int, samples: Samples, crossing: set[tuple
 def _skin(
     body: CompositeQuadric,
     i: int,
-    chart: Chart,
+    chart: MeshChart,
     on: np.ndarray,
     points: np.ndarray,
     chords: list[tuple[int, int]],

@@ -144,7 +144,7 @@ def _sweep_of(query: Query, work: Work, with_exact: bool) -> _MeshSweep:
     tips = None
     if ways := ways_of(model):
         tips = TipWays(mesh, ways, curved_pieces(moving_mesh, moving_model, query.first, query.end), parts)
-    free = _Free(mesh, model, mesh_is_a, width, work)
+    free = _FreeOfMesh(mesh, model, mesh_is_a, width, work)
     lasting = LastingOfMesh(mesh, LastingSolid(model), mesh_is_a, tips)
 
     def touches_at_start() -> np.ndarray | None:
@@ -191,7 +191,7 @@ class _MeshSweep(TimeSweep[Window]):
         return FirstTouch(lo, hi, point is not None, hi, point)
 
 
-class _Free:
+class _FreeOfMesh:
     """Times in which surfaces are apart.  Raises Spent: what one search may do is the budget of all."""
 
     def __init__(self, mesh: Polyhedron, model: CompositeQuadric, mesh_is_a: bool, width: float, work: Work) -> None:

@@ -18,9 +18,9 @@ import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.body.solid.csg import possible
-from firstcontact.contact.models.held_parts import TURN, HeldParts, Stretch, Trim, on_faces
+from firstcontact.contact.models.held_parts import TURN, ConicPart, HeldParts, ModelForms, on_faces
 from firstcontact.contact.models.membership import On, Vector, in_both
-from firstcontact.contact.models.moving_pair import MovingPair, form_at, is_plane
+from firstcontact.contact.models.moving_pair import Form, MovingPair, form_at, is_plane
 from firstcontact.exact.fields.number_field import NumberField, QuadraticElement, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import exact_value, precision
@@ -32,6 +32,7 @@ from firstcontact.pairs.carriers import planar_conics
 from firstcontact.pairs.carriers.contact import Contact, vector_at, zero
 
 if TYPE_CHECKING:
+    from firstcontact.exact.polynomials.inertia import Rows
     from firstcontact.exact.systems.square_systems import EnclosedRoot
 
 ARC_POINTS = 720
@@ -97,7 +98,7 @@ def _conic_parts(
         return [], OPEN
     field = NumberField(root)
 
-    def exact(m: int, k: int) -> Any:
+    def exact(m: int, k: int) -> Form:
         form = (pair.forms_a, pair.forms_b)[m][k]
         return vector_at(field, form) if is_plane(form) else field.matrix(form)
 
@@ -106,7 +107,7 @@ def _conic_parts(
     return [], OUTSIDE if told else OPEN
 
 
-def _is_empty(spot: Stretch, parts: HeldParts, curve: _Conic, exact: Callable[[int, int], Any]) -> bool:
+def _is_empty(spot: ConicPart, parts: HeldParts, curve: _Conic, exact: Callable[[int, int], Form]) -> bool:
     """Whether all zeros on the conic of the forms that may vanish in a spot are outside it, by their exact number."""
     for m, k in parts.open_forms(spot):
         form = exact(m, k)
@@ -130,11 +131,11 @@ class TrimForms:
     def __init__(self, pair: MovingPair, root: AlgebraicRoot | EnclosedRoot | EnclosedRoot, on_a: On, on_b: On) -> None:
         u = root.enclosure(128)
         self.unit = pair.unit
-        self.models: list[Trim] = []
+        self.models: list[ModelForms] = []
         for body, forms, on in ((pair.a, pair.forms_a, on_a), (pair.b, pair.forms_b, on_b)):
             with precision(128):
                 matrices = np.array([_matrix(form_at(form, u), is_plane(form), pair.unit) for form in forms])
-            self.models.append(Trim(body.tree, matrices, np.isin(np.arange(len(forms)), list(on.surfaces)), on))
+            self.models.append(ModelForms(body.tree, matrices, np.isin(np.arange(len(forms)), list(on.surfaces)), on))
 
     def breaks(self, origin: np.ndarray, direction: np.ndarray) -> Iterator[float]:
         """Parameters s at which origin + s direction crosses a surface of either model."""
@@ -223,7 +224,7 @@ class _Conic:
         self.axes = vectors / np.sqrt(np.abs(values)) if proper else vectors
         self.frame: np.ndarray | None = span @ self.axes if proper else None
 
-    def part(self, stretch: Stretch | None, t: float, unit: float) -> Shared | None:
+    def part(self, stretch: ConicPart | None, t: float, unit: float) -> Shared | None:
         """What is held about t; None where that is at infinity."""
         near = self.axes @ (round(math.cos(t), 15), round(math.sin(t), 15), 1.0)
         at = _on_conic(self.contact, self.axes[:, 2], near, self.sizes)
@@ -234,7 +235,7 @@ class _Conic:
         closed = length >= TURN * (1.0 - 1e-12)
         return _shared("conic arc", at, self.frame, angles[:-1] if closed else angles, unit, closed)
 
-    def keeps_side(self, form: Any) -> bool:
+    def keeps_side(self, form: Form) -> bool:
         """Whether a plane or quadric over the field vanishes all along it, or nowhere."""
         conic, other = self._within(form)
         along = zero(other) if is_plane(form) else _touches_as(ConicMeeting.SAME, conic, other)
@@ -247,7 +248,7 @@ class _Conic:
             return self.contact.form, [dot(form, x) for x in span]
         return self.contact.form, tuple(tuple(dot(x, times(form, y)) for y in span) for x in span)
 
-    def zeros(self, form: Any) -> int | None:
+    def zeros(self, form: Form) -> int | None:
         """How many real zeros a plane or quadric over the field has on it; None where two are one."""
         conic, other = self._within(form)
         if is_plane(form):
@@ -260,7 +261,7 @@ class _Conic:
         return 2 if side < 0 else 4 if planar_conics.cross(conic, other) else 0
 
 
-def _touches_as(meeting: ConicMeeting, first: Any, second: Any) -> bool:
+def _touches_as(meeting: ConicMeeting, first: Rows, second: Rows) -> bool:
     """Whether two conics of one plane do."""
     return any(found.meeting is meeting for found in conic_contacts(first, second).tangencies)
 

@@ -30,7 +30,7 @@ MOST = 20_000
 """Stretches at once, beyond which they stay as they are."""
 
 
-class Trim(NamedTuple):
+class ModelForms(NamedTuple):
     """A model: its tree, its forms (s, 4, 4), which of them hold the curve, and the faces asked for."""
 
     tree: Tree
@@ -39,7 +39,7 @@ class Trim(NamedTuple):
     on: On
 
 
-class Stretch(NamedTuple):
+class ConicPart(NamedTuple):
     """From lo to hi; inner: a place that is held, or None for a spot that is left open."""
 
     lo: float
@@ -47,7 +47,7 @@ class Stretch(NamedTuple):
     inner: float | None
 
 
-class Series(NamedTuple):
+class FourierSeries(NamedTuple):
     """c + a cos t + b sin t + d cos 2t + e sin 2t, a row for each form."""
 
     c: np.ndarray
@@ -57,7 +57,7 @@ class Series(NamedTuple):
     e: np.ndarray
 
     @classmethod
-    def of(cls, forms: np.ndarray, frame: np.ndarray) -> Series:
+    def of(cls, forms: np.ndarray, frame: np.ndarray) -> FourierSeries:
         g = np.einsum("ki,skl,lj->sij", frame, forms, frame)[..., None]
         return cls(0.5 * (g[:, 0, 0] + g[:, 1, 1]) + g[:, 2, 2], 2 * g[:, 0, 2], 2 * g[:, 1, 2],
                    0.5 * (g[:, 0, 0] - g[:, 1, 1]), g[:, 0, 1])  # fmt: skip
@@ -91,17 +91,17 @@ class Series(NamedTuple):
 class HeldParts:
     """The parts of the conic that the models may hold.  nought: least size of coordinates, in parts of the largest."""
 
-    def __init__(self, frame: np.ndarray, trims: Sequence[Trim], nought: float) -> None:
+    def __init__(self, frame: np.ndarray, trims: Sequence[ModelForms], nought: float) -> None:
         self.frame, self.trims = frame, trims
         reach = np.abs(frame).sum(axis=1)
         reach = reach + nought * reach.max()
-        self.series = [Series.of(trim.forms, frame) for trim in trims]
+        self.series = [FourierSeries.of(trim.forms, frame) for trim in trims]
         self.slack = [SLACK * np.einsum("i,sij,j->s", reach, np.abs(trim.forms), reach)[:, None] for trim in trims]
         self.free = [trim.holds[:, None] | (self._size(s) <= ALONG * slack)
                      for trim, s, slack in zip(trims, self.series, self.slack, strict=True)]  # fmt: skip
 
     @staticmethod
-    def _size(series: Series) -> np.ndarray:
+    def _size(series: FourierSeries) -> np.ndarray:
         size: np.ndarray = sum((np.abs(x) for x in series), np.zeros_like(series.c))
         return size
 
@@ -111,7 +111,7 @@ class HeldParts:
         pairs = enumerate(zip(self.trims, self.free, strict=True))
         return [(m, int(k)) for m, (trim, free) in pairs for k in np.flatnonzero(free[:, 0] & ~trim.holds)]
 
-    def found(self) -> list[Stretch]:
+    def found(self) -> list[ConicPart]:
         """Held stretches and open spots, in order."""
         h = TURN / PARTS
         lo = np.arange(PARTS) * h
@@ -142,7 +142,7 @@ class HeldParts:
             sure &= (~(below & above) | free).all(axis=0)
         return may, sure
 
-    def _joined(self, rows: np.ndarray) -> Iterator[Stretch]:
+    def _joined(self, rows: np.ndarray) -> Iterator[ConicPart]:
         """Neighbours as one, around the curve; rows: lo, length, whether held."""
         groups: list[list[tuple[float, float, float]]] = []
         for lo, h, is_held in rows.tolist():
@@ -158,16 +158,16 @@ class HeldParts:
             inner = 0.5 * (first + last)
             if held and not any(lo <= inner <= lo + h for h, lo in held):
                 inner = max(held)[1] + 0.5 * max(held)[0]
-            yield Stretch(first, last, inner if held else None)
+            yield ConicPart(first, last, inner if held else None)
 
-    def places(self, spot: Stretch) -> list[float]:
+    def places(self, spot: ConicPart) -> list[float]:
         """Where more than a point of a spot is held, if anywhere: its middle, and where forms turn."""
         middle = 0.5 * (spot.lo + spot.hi)
         turns = [series.turning(k, middle, spot.lo, spot.hi)
                  for series, k in ((self.series[m], k) for m, k in self.open_forms(spot))]  # fmt: skip
         return [middle, *turns]
 
-    def open_forms(self, spot: Stretch) -> list[tuple[int, int]]:
+    def open_forms(self, spot: ConicPart) -> list[tuple[int, int]]:
         """(model, form) of those that may vanish in a spot."""
         ends, middle = np.array([spot.lo, spot.hi]), np.array([0.5 * (spot.lo + spot.hi)])
         found = []
@@ -178,7 +178,7 @@ class HeldParts:
             found += [(m, int(k)) for k in np.flatnonzero(~told & ~free[:, 0])]
         return found
 
-    def may_hold(self, spot: Stretch) -> bool:
+    def may_hold(self, spot: ConicPart) -> bool:
         """Whether some signs of the forms that may vanish in a spot are those of points of both models."""
         open_ = self.open_forms(spot)
         middle = np.array([0.5 * (spot.lo + spot.hi)])
@@ -189,7 +189,7 @@ class HeldParts:
                 return False
         return True
 
-    def changes(self, m: int, k: int, spot: Stretch, line: np.ndarray | None) -> int:
+    def changes(self, m: int, k: int, spot: ConicPart, line: np.ndarray | None) -> int:
         """At least how many zeros the form has outside a spot.
 
         line: of a plane, the coefficients of (cos t, sin t, 1): its form has zeros at infinity too.

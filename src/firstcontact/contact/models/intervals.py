@@ -56,7 +56,7 @@ def certified_intervals(
         parts = windows(*models, first, last)
         width = tolerance * (parts[-1].last - parts[0].first)
         lasting = LastingOfModels(*(LastingSolid(shape_of(x)) for x in models))
-        free = _Free(models, width, parts, curved_pieces(*models, first, last), work)
+        free = _FreeOfModels(models, width, parts, curved_pieces(*models, first, last), work)
         found = TimeSweep(free, lasting, parts, width, work, touches_at_start).run()
     except (NotCharted, Untold) as reason:
         raise UnsupportedPair(f"contact intervals are not decided: {reason}") from reason
@@ -72,7 +72,7 @@ def _with_landing(found: Found, models: tuple[Model, Model], last: fmpq, width: 
     return Found((*found.intervals, touch), above(last), None)
 
 
-class _Free:
+class _FreeOfModels:
     """Two models: by convex pieces where the models consist of them, else by events."""
 
     def __init__(

@@ -21,7 +21,7 @@ from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.contact.ruled.implicants import Signs, Term, implicants
 from firstcontact.contact.signs.conditions import Conditions, Range, conditions
 from firstcontact.contact.signs.exclusion import ParameterBox, Span, survivors
-from firstcontact.contact.signs.fibres import Fibre, Moment, count
+from firstcontact.contact.signs.fibres import Moment, RulingFibre, count
 from firstcontact.contact.signs.sheets import Sheet, TooLarge, candidates, critical_times, instants, samples, sheets
 from firstcontact.contact.signs.times import Times, enclosed, roots_of
 from firstcontact.contact.ways import Passed, tried
@@ -394,7 +394,7 @@ def _told(slices: Sequence[Sequence[OpenCell]], critical: Sequence[fmpz_poly]) -
 
 def _signs(polynomials: Sequence[fmpz_mpoly], u: AlgebraicRoot, t: AlgebraicRoot) -> Signs:
     """Of polynomials in u and T."""
-    fibre = Fibre(u, t)
+    fibre = RulingFibre(u, t)
     return tuple(fibre.sign(b, _ZERO) for b in polynomials)
 
 

@@ -183,7 +183,7 @@ class _PieceTimes:
         return found
 
 
-class _Free:
+class _FreeOfPieces:
     def __init__(self, pair: _PieceTimes) -> None:
         self.pair = pair
 
@@ -258,7 +258,7 @@ class _RuledSweep(TimeSweep[TimeWay]):
         span = way.last - way.first
         width = max(tolerance * span, 10 * ROUNDINGS * max(abs(way.first), abs(way.last)))
         self.pair = _PieceTimes(p, q, span, 0.1 * width, work.budget)
-        super().__init__(_Free(self.pair), _Lasting(self.pair), [way], width, work, lambda: None)
+        super().__init__(_FreeOfPieces(self.pair), _Lasting(self.pair), [way], width, work, lambda: None)
 
     def run(self) -> Found:
         found = super().run()

@@ -30,7 +30,7 @@ class Moment:
 
 
 @dataclass(frozen=True)
-class Fibre:
+class RulingFibre:
     """All v over one u and T: what is left there of polynomials in u, v and T.  moment: of T, where that is rational
     and it is known already."""
 
@@ -78,12 +78,15 @@ class Fibre:
 
 
 def count(c: Conditions, u: AlgebraicRoot, t: AlgebraicRoot, moment: Moment | None = None) -> float:
-    """The number of v that meet the ruling u at the time t; infinite for a range of them.  moment: as for a Fibre."""
+    """The number of v that meet the ruling u at the time t; infinite for a range of them.
+
+    moment: as for a `RulingFibre`.
+    """
     if c.u is not None and not (u.compare(c.u[0]) >= 0 and u.compare(c.u[1]) <= 0):
         return 0
     if not all(c.bounded) and t.rational is not None and c.moment != t.rational:
         c = c.at(t.rational)  # of whole rulings, which may lose a factor then
-    fibre, found = Fibre(u, t, moment), 0
+    fibre, found = RulingFibre(u, t, moment), 0
 
     def meets(conditions: Conditions, v: AlgebraicRoot) -> bool:
         return conditions.holds(lambda f: fibre.sign(f, v))

@@ -209,7 +209,7 @@ class PlaneEdge:
         return f"{type(self).__name__}({self.index}, curve {self.curve}, {ends}, chart {self.chart})"
 
 
-class Branch(PlaneEdge):
+class RootEdge(PlaneEdge):
     """An edge that is a graph over an open interval of x: pieces over slabs, each the k-th root there."""
 
     def __init__(
@@ -392,7 +392,7 @@ def _add_branches(edges: list[PlaneEdge], column: Column, cell: int, i: int) -> 
                 passed.append(end)
                 at += 1
                 pieces.append((at, starts[at].index(end)))
-            edges.append(Branch(len(edges), i, column, cell, start, end, pieces=pieces, passed=passed))
+            edges.append(RootEdge(len(edges), i, column, cell, start, end, pieces=pieces, passed=passed))
             mirrored = column.reversed and not start.fibre.column.reversed
             start.left, start.right = start.left + mirrored, start.right + (not mirrored)
             mirrored = column.reversed and not end.fibre.column.reversed

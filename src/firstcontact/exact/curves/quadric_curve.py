@@ -45,7 +45,7 @@ class Degenerate(Exception):
     """No frame of the list is in general position: branches coincide, or another form vanishes on one of them."""
 
 
-class Branch(NamedTuple):
+class QuadricBranch(NamedTuple):
     """One branch between two events; signs: of the other forms, none of them zero."""
 
     cell: int
@@ -56,7 +56,7 @@ class Branch(NamedTuple):
 class QuadricEnd(NamedTuple):
     """An end of a branch, towards larger u or not; point: (x, y, z) near it."""
 
-    branch: Branch
+    branch: QuadricBranch
     upper: bool
     point: list[arb]
 
@@ -79,9 +79,9 @@ class BranchSweep:
         self.levels = [simple_between(*self._inner(k, 10)) for k in range(len(self._gaps))]
         self.cells = [self._branches(k) for k in range(len(self.levels))]
 
-    def _branches(self, cell: int) -> list[Branch]:
+    def _branches(self, cell: int) -> list[QuadricBranch]:
         count = len(self.curve.points(self.levels[cell], FIRST_BITS))
-        return [Branch(cell, k, self._signs(cell, k)) for k in range(count)]
+        return [QuadricBranch(cell, k, self._signs(cell, k)) for k in range(count)]
 
     def _signs(self, cell: int, order: int) -> tuple[int, ...]:
         u, bits = self.levels[cell], FIRST_BITS
@@ -95,7 +95,7 @@ class BranchSweep:
             bits *= 2
         raise Undecidable
 
-    def point(self, branch: Branch, bits: int) -> list[arb]:
+    def point(self, branch: QuadricBranch, bits: int) -> list[arb]:
         """The branch's point (x, y, z, 1) on its own rational plane; call within `precision(bits)`."""
         u = self.levels[branch.cell]
         return self._placed(u, self.curve.points(u, bits)[branch.order])
@@ -130,7 +130,7 @@ class BranchSweep:
                 return [[QuadricEnd(*ends[k], near[k]) for k in group] for group in groups]
         raise Undecidable
 
-    def _beside(self, event: int, share: int) -> tuple[list[tuple[Branch, bool]], list[list[arb]]]:
+    def _beside(self, event: int, share: int) -> tuple[list[tuple[QuadricBranch, bool]], list[list[arb]]]:
         """The ends, and where they are on planes 2^-share of the cells' widths from the event."""
         ends, points = [], []
         bits = self._digits(event, share)

@@ -67,7 +67,7 @@ class Window(NamedTuple):
     b: np.ndarray
 
 
-class Windows(Sequence[Window]):
+class WindowsInTurn(Sequence[Window]):
     """The windows of time in which two bodies follow one step each, in order, made as they are asked for: those of many
     turns take milliseconds each.
 
@@ -115,7 +115,7 @@ def windows(a: Body, b: Body, first: fmpq, last: fmpq) -> list[Window]:
     return list(windows_in_turn(a, b, first, last))
 
 
-def windows_in_turn(a: Body, b: Body, first: fmpq, last: fmpq) -> Windows:
+def windows_in_turn(a: Body, b: Body, first: fmpq, last: fmpq) -> WindowsInTurn:
     """The windows, each made when its turn comes."""
     motion_a = a.motion if isinstance(a, Moving) else REST
     motion_b = b.motion if isinstance(b, Moving) else REST
@@ -123,9 +123,9 @@ def windows_in_turn(a: Body, b: Body, first: fmpq, last: fmpq) -> Windows:
 
 
 @lru_cache(maxsize=128)
-def _windows_of(motion_a: AnyMotion, motion_b: AnyMotion, p: int, q: int, r: int, s: int) -> Windows:
+def _windows_of(motion_a: AnyMotion, motion_b: AnyMotion, p: int, q: int, r: int, s: int) -> WindowsInTurn:
     """Over [p / q, r / s]: whole numbers, since rationals take a microsecond to hash."""
-    return Windows((motion_a, motion_b), fmpq(p, q), fmpq(r, s))
+    return WindowsInTurn((motion_a, motion_b), fmpq(p, q), fmpq(r, s))
 
 
 def _inner_cuts(step: Step) -> list[fmpq]:
