@@ -14,16 +14,14 @@ from flint import fmpq
 
 from firstcontact.body.solid.carriers import Plane, Quadric, Rows, Surface, Vector, times, transposed
 from firstcontact.exact.numbers import sign
-from firstcontact.exact.vectors import cross, scaled, sub
+from firstcontact.exact.vectors import scaled, sub
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.rotation import Rotation, sense_about
-from firstcontact.motion.screw import Screw
 from firstcontact.motion.steps import steps_of
-from firstcontact.motion.translation import Translation
+from firstcontact.motion.translation import NOWHERE, Translation
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body, Shape
-    from firstcontact.motion.kinds import Single
 
 _0 = fmpq(0)
 NO_ROW: Vector = (_0, _0, _0, _0)
@@ -42,10 +40,10 @@ def generators(a: Body, b: Body, first: fmpq, last: fmpq | None) -> list[Rows] |
         for step in steps_of(body.motion) if isinstance(body, Moving) else ():
             if step.end is not None and step.end <= first or last is not None and step.start >= last:
                 continue
-            own = _of_motion(step.motion, way)
+            own = step.motion.generators
             if own is None:
                 return None
-            found += own
+            found += [_rows(scaled(way, turn), scaled(way, shift)) for turn, shift in own]
     return found
 
 
@@ -53,9 +51,9 @@ def _relative(a: Body, b: Body) -> Rows | None:
     """Of bodies that both shift all the time, or turn about one line."""
     x, y = (body.motion if isinstance(body, Moving) else None for body in (a, b))
     if isinstance(x, Translation) and isinstance(y, Translation):
-        return _shift(sub(x.vector, y.vector))
+        return _rows(NOWHERE, sub(x.vector, y.vector))
     if isinstance(x, Rotation) and isinstance(y, Rotation) and sense_about(x, y):
-        return _turn(x.axis, x.point)
+        return _rows(*x.generators[0])
     return None
 
 
@@ -78,23 +76,9 @@ def standing(body: Body, time: fmpq) -> Shape | None:
     return placed
 
 
-def _of_motion(motion: Single, way: int) -> list[Rows] | None:
-    if isinstance(motion, Translation):
-        return [_shift(scaled(way, motion.vector))]
-    if isinstance(motion, Rotation):
-        return [_turn(motion.axis, motion.point)]
-    if isinstance(motion, Screw):
-        return [_turn(motion.axis, motion.point), _shift(scaled(way * motion.advance, motion.axis))]
-    return None
-
-
-def _shift(v: Listing[fmpq]) -> Rows:
-    return (_0, _0, _0, v[0]), (_0, _0, _0, v[1]), (_0, _0, _0, v[2]), NO_ROW
-
-
-def _turn(axis: Vector, point: Vector) -> Rows:
-    x, y, z = axis
-    k, m, n = cross(point, axis)
+def _rows(turn: Vector, shift: Vector) -> Rows:
+    x, y, z = turn
+    k, m, n = shift
     return (_0, -z, y, k), (z, _0, -x, m), (-y, x, _0, n), NO_ROW
 
 

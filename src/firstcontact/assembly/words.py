@@ -58,7 +58,7 @@ def _done(motion: AnyMotion, time: float, unit: str) -> str:
         length = math.hypot(*map(to_double, motion.vector))
         return f"has moved {_number(time * length)} of {_number(length)}{unit and ' ' + unit}"
     if isinstance(motion, Rotation | Screw):
-        degrees, ahead = math.degrees(motion.radians), to_double(motion.advance) if isinstance(motion, Screw) else 0.0
+        degrees, ahead = math.degrees(motion.radians), to_double(motion.advance)
         shift = f", {_number(time * ahead)} of {_number(ahead)}{unit and ' ' + unit} ahead" if ahead else ""
         return f"has turned {_number(time * degrees)} of {_number(degrees)} degrees{shift}"
     if isinstance(motion, Sequence):

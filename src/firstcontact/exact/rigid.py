@@ -47,6 +47,12 @@ def apply(m: Matrix, p: Vector) -> Vector:
     )
 
 
+def turned(m: Matrix, v: Vector) -> Vector:
+    """A direction under a map."""
+    x, y, z = (r[0] * v[0] + r[1] * v[1] + r[2] * v[2] for r in m)
+    return x, y, z
+
+
 def compose(m: Matrix, n: Matrix) -> Matrix:
     """The map "first n, then m"."""
     (a, b, c, x), (d, e, f, y), (g, h, i, z) = n

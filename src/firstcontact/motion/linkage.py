@@ -11,13 +11,13 @@ from flint import arb, fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import ball_bounds, exact_value, precision, rational, to_double
-from firstcontact.exact.rigid import IDENTITY, Matrix, apply
-from firstcontact.exact.vectors import Vector, add, scaled, sub
+from firstcontact.exact.rigid import IDENTITY
+from firstcontact.exact.vectors import Vector, add, scaled
 from firstcontact.motion.placement import HERE, Placement, advanced
 from firstcontact.motion.product import JointFactor, Product, Simple, Value, at
 from firstcontact.motion.rational import RationalMotion
-from firstcontact.motion.rotation import Rotation, turns_of
-from firstcontact.motion.screw import Screw, simple
+from firstcontact.motion.rotation import turns_of
+from firstcontact.motion.screw import simple
 from firstcontact.motion.translation import Translation, double_of
 from firstcontact.motion.value import Motion, numbers
 from firstcontact.result import JointValue
@@ -120,6 +120,10 @@ class Linkage(Motion):
         return to_double(self.times[0]), to_double(self.times[-1])
 
     @property
+    def exact_span(self) -> tuple[fmpq, fmpq]:
+        return self.times[0], self.times[-1]
+
+    @property
     def steps(self) -> tuple[JointFactor, ...]:
         """The motion of each stretch."""
         return tuple(part[2] for part in self.parts())
@@ -143,7 +147,7 @@ class Linkage(Motion):
         moving = _moving(factors) if standing.is_exact else []
         if len(moving) == 1 and not any(moving[0].value[2:]):
             (motion, (begin, share, *_)), length = moving[0], end - start
-            return start, end, _times(motion, share), standing, (start - begin / share * length, length)
+            return start, end, motion.paced(share), standing, (start - begin / share * length, length)
         if moving and all(isinstance(f.motion, Translation) for f in moving):
             first, *ways = _ways(moving)
             shift = _along(ways) if len(ways) > 1 else Translation(ways[0])
@@ -268,24 +272,11 @@ def _moving(factors: Iterable[JointFactor]) -> list[JointFactor]:
     standing: list[JointFactor] = []
     for f in factors:
         if any(f.value[1:]):
-            moving.append(JointFactor(_carried(f.motion, placed(standing).matrix()), f.value))
+            by = placed(standing).matrix()
+            moving.append(f if by is IDENTITY else JointFactor(f.motion.carried(by), f.value))
         else:
             standing.append(f)
     return moving
-
-
-def _carried(motion: Simple, by: Matrix) -> Simple:
-    """The same motion in a world that was turned and shifted by a rational map."""
-    if by is IDENTITY:
-        return motion
-    ahead: Vector = motion.vector if isinstance(motion, Translation) else motion.axis
-    way = sub(apply(by, ahead), apply(by, (fmpq(0), fmpq(0), fmpq(0))))
-    if isinstance(motion, Translation):
-        return Translation(way)
-    point, angle = apply(by, motion.point), {motion.unit: motion.angle}
-    if isinstance(motion, Rotation):
-        return Rotation(way, point, **angle)
-    return Screw(way, point, **angle, advance=motion.advance)
 
 
 def _ways(shifts: Iterable[JointFactor]) -> list[Vector]:
@@ -304,16 +295,6 @@ def _along(ways: Iterable[Vector]) -> RationalMotion:
     """The shift by a polynomial without constant term."""
     still = [[int(i == j) for j in range(4)] for i in range(4)]
     return RationalMotion([still, *([*([0, 0, 0, c] for c in way), [0] * 4] for way in ways)])
-
-
-def _times(motion: Simple, share: fmpq) -> Simple:
-    """The motion that goes as far as that share of this one."""
-    if isinstance(motion, Translation):
-        return Translation(scaled(share, motion.vector))
-    angle: dict[str, Any] = {motion.unit: motion.angle * share}
-    if isinstance(motion, Rotation):
-        return Rotation(motion.axis, motion.point, **angle)
-    return Screw(motion.axis, motion.point, **angle, advance=motion.advance * share)
 
 
 def _rebuilt(times: Iterable[Given], rows: Iterable[tuple[Any, ...]]) -> Linkage:

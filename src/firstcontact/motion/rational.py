@@ -113,6 +113,18 @@ class RationalMotion(Motion):
         return len(self.coefficients) - 1
 
     @property
+    def exact_span(self) -> tuple[fmpq, fmpq]:
+        return _0, _1
+
+    @property
+    def is_rigid(self) -> bool:
+        return self.rigid
+
+    @property
+    def is_rational(self) -> bool:
+        return True
+
+    @property
     def starts_here(self) -> bool:
         """Whether its pose at t = 0 is the identity."""
         weight = self.pose[3][3][0]

@@ -11,12 +11,14 @@ from flint import arb, fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, to_double
+from firstcontact.exact.rigid import apply, turned
 from firstcontact.exact.vectors import Vector, add, cross, dot, scaled, sub
 from firstcontact.motion.translation import SPAN, bounded, double_of, vector3
 from firstcontact.motion.value import Motion, number, numbers
 
 if TYPE_CHECKING:
     from firstcontact.exact.numbers import Given
+    from firstcontact.exact.rigid import Matrix
     from firstcontact.motion.kinds import AnyMotion
     from firstcontact.motion.screw import Screw
     from firstcontact.result import Table
@@ -41,6 +43,8 @@ class Rotation(Motion):
     __slots__ = ("axis", "point", "angle", "unit")
     span = SPAN
     extends = True
+    advance = fmpq(0)
+    """As of a Screw that does not advance."""
 
     def __init__(
         self,
@@ -68,6 +72,33 @@ class Rotation(Motion):
     def radians(self) -> float:
         """The angle over the span (0, 1), rounded."""
         return to_double(self.angle) * (1.0 if self.unit == "radians" else 2 * math.pi)
+
+    @property
+    def rests(self) -> bool:
+        return self.angle == 0
+
+    @property
+    def is_rational(self) -> bool:
+        return self.angle == 0
+
+    @property
+    def axes(self) -> tuple[Vector, ...]:
+        return (self.axis,)
+
+    @property
+    def generators(self) -> tuple[tuple[Vector, Vector], ...]:
+        return ((self.axis, cross(self.point, self.axis)),)
+
+    def is_across(self, normal: Vector) -> bool:
+        return not any(cross(self.axis, normal))
+
+    def paced(self, share: fmpq) -> Rotation:
+        """The motion that turns so many times as far in the same time."""
+        return _rebuild(self.axis, self.point, self.unit, share * self.angle)
+
+    def carried(self, by: Matrix) -> Rotation:
+        """The same motion in a world that was turned and shifted by a rational map."""
+        return _rebuild(turned(by, self.axis), apply(by, self.point), self.unit, self.angle)
 
     def shifted(self, by: Vector) -> Rotation:
         """The same motion in a world shifted by a vector."""

@@ -11,14 +11,15 @@ from flint import arb, fmpq
 
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import fraction, precision, rational, to_double
-from firstcontact.exact.rigid import ball_rotation, rational_sqrt
-from firstcontact.exact.vectors import Vector, add, dot, scaled
+from firstcontact.exact.rigid import apply, ball_rotation, rational_sqrt, turned
+from firstcontact.exact.vectors import Vector, add, cross, dot, scaled
 from firstcontact.motion.rotation import Rotation, angle_ball, direction, read_angle, turn_table
-from firstcontact.motion.translation import LARGEST, SPAN, Translation, double_of, vector3
+from firstcontact.motion.translation import LARGEST, NOWHERE, SPAN, Translation, double_of, vector3
 from firstcontact.motion.value import Motion, number
 
 if TYPE_CHECKING:
     from firstcontact.exact.numbers import Given
+    from firstcontact.exact.rigid import Matrix
     from firstcontact.motion.kinds import AnyMotion
     from firstcontact.result import Table
 
@@ -94,6 +95,25 @@ class Screw(Motion):
             return self
         length = rational_sqrt(dot(self.axis, self.axis))
         return self if length is None else Translation(scaled(self.advance / length, self.axis))
+
+    @property
+    def axes(self) -> tuple[Vector, ...]:
+        return (self.axis,)
+
+    @property
+    def generators(self) -> tuple[tuple[Vector, Vector], ...]:
+        return (self.axis, cross(self.point, self.axis)), (NOWHERE, scaled(self.advance, self.axis))
+
+    def is_across(self, normal: Vector) -> bool:
+        return self.advance == 0 and not any(cross(self.axis, normal))
+
+    def paced(self, share: fmpq) -> Screw:
+        """The motion that turns and advances so many times as far in the same time."""
+        return _rebuild(self.axis, self.point, self.unit, share * self.angle, share * self.advance)
+
+    def carried(self, by: Matrix) -> Screw:
+        """The same motion in a world that was turned and shifted by a rational map."""
+        return _rebuild(turned(by, self.axis), apply(by, self.point), self.unit, self.angle, self.advance)
 
     def shifted(self, by: Vector) -> Screw:
         """The same motion in a world shifted by a vector."""

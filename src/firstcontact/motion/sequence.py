@@ -79,6 +79,23 @@ class Sequence(Motion):
         return fmpq(0), *self.ends[:-1]
 
     @property
+    def exact_span(self) -> tuple[fmpq, fmpq]:
+        return fmpq(0), self.ends[-1]
+
+    @property
+    def is_rigid(self) -> bool:
+        return all(step.is_rigid for step in self.steps)
+
+    @property
+    def axes(self) -> tuple[Vector, ...] | None:
+        own = [step.axes for step in self.steps]
+        known = [axes for axes in own if axes is not None]
+        return tuple(axis for axes in known for axis in axes) if len(known) == len(own) else None
+
+    def is_across(self, normal: Vector) -> bool:
+        return all(step.is_across(normal) for step in self.steps)
+
+    @property
     def correction(self) -> float:
         """By how much an entry of a rounded pose is off the rotation that it stands for, at most, over all steps."""
         return max((step.correction for step in self.steps if isinstance(step, RationalMotion)), default=0.0)

@@ -12,10 +12,8 @@ from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, rational, to_double
 from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.moving import Moving
-from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, turns_of
 from firstcontact.motion.screw import Screw
-from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import LARGEST, Translation
 
@@ -36,12 +34,9 @@ MOST_TURNS = 10_000
 
 
 def limits(motion: AnyMotion) -> tuple[fmpq, fmpq] | None:
-    """The exact first and last time at which the motion has a pose; None when it goes on beyond its span."""
-    if isinstance(motion, Sequence):
-        return fmpq(0), motion.ends[-1]
-    if isinstance(motion, Trajectory | Linkage):
-        return motion.times[0], motion.times[-1]
-    return UNIT if isinstance(motion, RationalMotion) else None
+    """`exact_span`; None of motions that are none of ours, which are refused later."""
+    ends: tuple[fmpq, fmpq] | None = getattr(motion, "exact_span", None)
+    return ends
 
 
 def common_span(a: AnyBody, b: AnyBody, span: Iterable[Given] | None) -> tuple[fmpq, fmpq | None]:

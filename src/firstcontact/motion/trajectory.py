@@ -136,6 +136,10 @@ class Trajectory(Motion):
         return to_double(self.times[0]), to_double(self.times[-1])
 
     @property
+    def exact_span(self) -> tuple[fmpq, fmpq]:
+        return self.times[0], self.times[-1]
+
+    @property
     def starts(self) -> tuple[fmpq, ...]:
         """When each step starts."""
         return self.times[:-1]

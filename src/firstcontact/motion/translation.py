@@ -11,17 +11,20 @@ from flint import fmpq
 
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational, to_double
-from firstcontact.exact.vectors import Vector, scaled
+from firstcontact.exact.rigid import turned
+from firstcontact.exact.vectors import Vector, dot, scaled
 from firstcontact.motion.value import Motion, numbers
 
 if TYPE_CHECKING:
     from firstcontact.exact.numbers import Given
+    from firstcontact.exact.rigid import Matrix
     from firstcontact.result import Table
 
 SPAN = (0.0, 1.0)
 
 # Largest number of a motion: with coordinates below the same bound nothing overflows.
 LARGEST = fmpq(2) ** 150
+NOWHERE = fmpq(0), fmpq(0), fmpq(0)
 
 
 def vector3(values: Iterable[Given], what: str) -> tuple[fmpq, fmpq, fmpq]:
@@ -76,6 +79,34 @@ class Translation(Motion):
         pose, time = np.eye(4), double_of(t)
         pose[:3, 3] = [time * to_double(x) for x in self.vector]
         return pose
+
+    @property
+    def rests(self) -> bool:
+        return not any(self.vector)
+
+    @property
+    def is_rational(self) -> bool:
+        return True
+
+    @property
+    def axes(self) -> tuple[Vector, ...]:
+        return ()
+
+    @property
+    def generators(self) -> tuple[tuple[Vector, Vector], ...]:
+        return ((NOWHERE, self.vector),)
+
+    def is_across(self, normal: Vector) -> bool:
+        across: bool = dot(self.vector, normal) == 0
+        return across
+
+    def paced(self, share: fmpq) -> Translation:
+        """The motion that goes so many times as far in the same time."""
+        return Translation(scaled(share, self.vector))
+
+    def carried(self, by: Matrix) -> Translation:
+        """The same motion in a world that was turned and shifted by a rational map."""
+        return Translation(turned(by, self.vector))
 
     def shifted(self, by: Vector) -> Translation:
         """The same motion in a world shifted by a vector."""

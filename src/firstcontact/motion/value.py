@@ -11,6 +11,7 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.result import SCHEMA, Written
 
 if TYPE_CHECKING:
+    from firstcontact.exact.vectors import Vector
     from firstcontact.result import Table
 
 # Whole numbers up to there are JSON numbers for every reader; larger ones are texts.
@@ -34,6 +35,41 @@ class Motion(Written):
     def _table(self) -> Table:
         """The motion as a table of a scene file."""
         raise NotImplementedError
+
+    @property
+    def exact_span(self) -> tuple[fmpq, fmpq] | None:
+        """The exact first and last time at which it has a pose; None where it goes on beyond its span."""
+        return None
+
+    @property
+    def rests(self) -> bool:
+        """Whether it is known to leave bodies where they are at all times."""
+        return False
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether its poses are rotations and shifts."""
+        return True
+
+    @property
+    def is_rational(self) -> bool:
+        """Whether its pose is known to be a rational function of the time."""
+        return False
+
+    @property
+    def axes(self) -> tuple[Vector, ...] | None:
+        """The directions of the axes about which it turns, by whatever angles; None where they are not told."""
+        return None
+
+    @property
+    def generators(self) -> tuple[tuple[Vector, Vector], ...] | None:
+        """(w, v) of the turn and the shift that it is made of at all times: points x have the velocity w x x + v, those
+        of the turn up to a factor.  None of other motions."""
+        return None
+
+    def is_across(self, normal: Vector) -> bool:
+        """Whether it is known to be made of shifts across the normal and turns about it alone."""
+        return False
 
     def to_dict(self) -> Table:
         """The motion's table in a scene file; exact numbers that no double holds are texts such as "1/3"."""

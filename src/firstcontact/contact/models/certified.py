@@ -117,13 +117,7 @@ def _part_around_origin(body: CompositeQuadric, size: int) -> CompositeQuadric:
 
 def _turned_back(motion: AnyMotion) -> AnyMotion | None:
     """The motion of the world as the body sees it; None where no motion is that."""
-    if isinstance(motion, Translation):
-        return Translation([-x for x in motion.vector])
-    if isinstance(motion, Rotation):
-        return Rotation(motion.axis, motion.point, **{motion.unit: -motion.angle})
-    if isinstance(motion, Screw):
-        return Screw(motion.axis, motion.point, **{motion.unit: -motion.angle}, advance=-motion.advance)
-    return None
+    return motion.paced(fmpq(-1)) if isinstance(motion, Translation | Rotation | Screw) else None
 
 
 Cells = tuple[tuple[int, int, int], ...]

@@ -10,13 +10,10 @@ from typing import TYPE_CHECKING
 from firstcontact.body.solid.carriers import dot
 from firstcontact.contact.models.touched import Flat, coprime
 from firstcontact.motion.moving import Moving
-from firstcontact.motion.rotation import Rotation
-from firstcontact.motion.screw import Screw
-from firstcontact.motion.sequence import Sequence
-from firstcontact.motion.translation import Translation
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
+    from firstcontact.exact.vectors import Vector
     from firstcontact.motion.kinds import AnyMotion
 
 Axis = tuple[int, ...]
@@ -35,15 +32,8 @@ def turning_axes(a: Body, b: Body) -> frozenset[Axis] | None:
 
 
 def _axes(motion: AnyMotion) -> frozenset[Axis] | None:
-    if isinstance(motion, Translation):
-        return SHIFTS
-    if isinstance(motion, Rotation | Screw):
-        return frozenset([coprime(motion.axis)])
-    if not isinstance(motion, Sequence):
-        return None
-    parts = [_axes(step) for step in motion.steps]
-    known = [part for part in parts if part is not None]
-    return SHIFTS.union(*known) if len(known) == len(parts) else None
+    axes: tuple[Vector, ...] | None = getattr(motion, "axes", None)  # which those that are none of ours lack
+    return None if axes is None else frozenset(map(coprime, axes))
 
 
 def stay_parallel(x: Flat, y: Flat, axis: Axis) -> bool:

@@ -77,7 +77,7 @@ def near_pose(body: Body, t: fmpq) -> tuple[Matrix | None, Rotation | Screw | No
         with precision(BITS):
             turns = dyadic((angle_ball(turns, "radians") / (2 * arb.pi())).mid())
     pose = near_rotation(motion.axis, motion.point, turns)
-    if isinstance(motion, Rotation) or motion.advance == 0:
+    if motion.advance == 0:
         return pose, motion
     length = rational_sqrt(dot(motion.axis, motion.axis))
     if length is None:

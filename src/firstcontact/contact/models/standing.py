@@ -20,14 +20,10 @@ from firstcontact.body.solid.csg import Leaf, conjunction
 from firstcontact.contact.models.kept_directions import Axis, turning_axes
 from firstcontact.contact.models.touched import coprime
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.motion.screw import Screw
-from firstcontact.motion.sequence import Sequence
-from firstcontact.motion.translation import Translation
 from firstcontact.search.convex.convex import NotConvex, convex_pieces, half_spaces
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body, Model
-    from firstcontact.motion.kinds import AnyMotion
 
 
 def prisms_on_common_plane(a: Body, b: Body) -> tuple[Model, Model] | None:
@@ -36,7 +32,8 @@ def prisms_on_common_plane(a: Body, b: Body) -> tuple[Model, Model] | None:
     if axes is None or len(axes) != 1:
         return None
     (axis,) = axes
-    if not all(_stays_level(x.motion, axis) for x in (a, b) if isinstance(x, Moving)):
+    normal = axis[0], axis[1], axis[2]
+    if not all(x.motion.is_across(normal) for x in (a, b) if isinstance(x, Moving)):
         return None
     body_a: Any = shape_of(a)
     body_b: Any = shape_of(b)
@@ -58,16 +55,6 @@ def prisms_on_common_plane(a: Body, b: Body) -> tuple[Model, Model] | None:
 
 def _moving(prism: CompositeQuadric, body: Body) -> Model:
     return Moving(prism, body.motion) if isinstance(body, Moving) else prism
-
-
-def _stays_level(motion: AnyMotion, axis: Axis) -> bool:
-    """Whether what turns about the axis keeps its height along it."""
-    if isinstance(motion, Sequence):
-        return all(_stays_level(step, axis) for step in motion.steps)
-    if isinstance(motion, Translation):
-        level: bool = dot(motion.vector, axis) == 0
-        return level
-    return not isinstance(motion, Screw) or motion.advance == 0
 
 
 def _levels(sides: Listing[Surface], axis: Axis) -> list[Plane]:

@@ -6,18 +6,20 @@ and shift are powers of one variable u that no term of the polynomial confuses.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from flint import fmpq, fmpq_poly
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.generic_turns import Rows, generic_turn
 from firstcontact.exact.numbers import to_double
-from firstcontact.exact.vectors import Vector, cross, dot
+from firstcontact.exact.vectors import Vector, cross
 from firstcontact.motion.product import Product
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
-from firstcontact.motion.rotation import Rotation
-from firstcontact.motion.screw import Screw
-from firstcontact.motion.translation import Translation
+
+if TYPE_CHECKING:
+    from firstcontact.motion.kinds import Single
 
 # Powers of u for the two components of the shift: conditions have degree 6 at most in the turn's parameter u.
 SHIFT_1, SHIFT_2 = 16, 32
@@ -33,23 +35,14 @@ def normal_of_motion(piece: CurvedPiece) -> Vector | None:
     """The normal of the plane in which both bodies turn and shift; None where there is none."""
     legs = piece.leg_a, piece.leg_b
     motions = [motion for leg in legs for motion in _simple_motions(leg)]
-    normal = next((motion.axis for motion in motions if isinstance(motion, Rotation | Screw)), None)
+    normal = next((axis for motion in motions for axis in motion.axes or ()), None)
     if normal is None or any(leg.before.factors for leg in legs):
         return None
-    return normal if all(is_across(motion, normal) for motion in motions) else None
+    return normal if all(motion.is_across(normal) for motion in motions) else None
 
 
-def _simple_motions(leg: Leg) -> list[Translation | Rotation | Screw]:
+def _simple_motions(leg: Leg) -> list[Single]:
     return [f.motion for f in leg.motion.factors] if isinstance(leg.motion, Product) else [leg.motion]
-
-
-def is_across(motion: Translation | Rotation | Screw, normal: Vector) -> bool:
-    """Whether a motion is a shift across the normal, or a turn about it."""
-    if isinstance(motion, Translation):
-        across: bool = dot(motion.vector, normal) == 0
-        return across
-    turns = isinstance(motion, Rotation) or (isinstance(motion, Screw) and motion.advance == 0)
-    return turns and not any(cross(motion.axis, normal))
 
 
 def generic_poses(normal: Vector) -> tuple[Rows, Rows]:

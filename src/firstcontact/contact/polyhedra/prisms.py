@@ -12,21 +12,18 @@ can share are points of that height: prisms over these stand for both.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.advancing import Apart, Upright
 from firstcontact.contact.polyhedra.level_regions import Region, border_of, flat, region_at, turn
-from firstcontact.contact.polyhedra.planar import is_across
 from firstcontact.exact.numbers import fraction
 from firstcontact.exact.vectors import Vector, dot
 from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.product import Product
-from firstcontact.motion.rotation import Rotation
-from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.work import Query
 
@@ -84,11 +81,11 @@ def heights_of(body: Body, normal: Vector) -> list[fmpq]:
 def _normal(query: Query) -> Vector | None:
     """The normal of the plane in which both bodies turn and shift at all times; None where there is none."""
     motions = [x for body in query.bodies if isinstance(body, Moving) for x in _simple(body.motion)]
-    normal = next((x.axis for x in motions if isinstance(x, Rotation | Screw)), None)
-    return normal if normal is not None and all(is_across(x, normal) for x in motions) else None
+    normal = next((axis for x in motions for axis in x.axes or ()), None)
+    return normal if normal is not None and all(x.is_across(normal) for x in motions) else None
 
 
-def _simple(motion: AnyMotion) -> list[Any]:
+def _simple(motion: AnyMotion) -> list[AnyMotion]:
     if isinstance(motion, Linkage):
         return [drive.motion for drive in motion.drives]
     if isinstance(motion, Product):

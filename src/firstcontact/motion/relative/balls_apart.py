@@ -14,7 +14,6 @@ import numpy as np
 from firstcontact.exact.numbers import to_double
 from firstcontact.kernels.pose_series import LocalPose
 from firstcontact.motion.product import Product
-from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
 from firstcontact.motion.relative.local_poses import local_pose, own_pose
 
@@ -99,7 +98,7 @@ def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[Corner, Corner]:
 @lru_cache(maxsize=4096)
 def _own_box(motion: Single, part: tuple[int, int, int, int], ball: Ball) -> tuple[Corner, Corner]:
     """The same of a part of the motion itself: a body that moves is asked about with many others."""
-    return _box(own_pose(motion, *part), ball, not isinstance(motion, RationalMotion) or motion.rigid)
+    return _box(own_pose(motion, *part), ball, motion.is_rigid)
 
 
 def _box(pose: LocalPose, ball: Ball, rigid: bool) -> tuple[Corner, Corner]:

@@ -65,14 +65,13 @@ class Leg:
     @property
     def rests(self) -> bool:
         """Whether the body stands in the identity at all times."""
-        motion = self.motion
-        still = isinstance(motion, Translation) and not any(motion.vector)
-        return not self.before.factors and (still or (isinstance(motion, Rotation) and motion.angle == 0))
+        rests: bool = self.motion.rests
+        return rests and not self.before.factors
 
     @property
     def is_rigid(self) -> bool:
         """Whether the pose is a rotation and a shift at all times."""
-        rigid = not isinstance(self.motion, RationalMotion) or self.motion.rigid
+        rigid: bool = self.motion.is_rigid
         return rigid and all(_is_rotation(f) for f in self.before.factors if isinstance(f, tuple))
 
     def part(self, start: fmpq, end: fmpq) -> tuple[int, int, int, int]:
@@ -194,9 +193,8 @@ def turning_axes(motion: AnyMotion) -> list[Vector]:
 
 
 def _is_rational(leg: Leg) -> bool:
-    motion = leg.motion
-    turns = isinstance(motion, Rotation | Screw) and (motion.angle != 0 or isinstance(motion, Screw))
-    return leg.before.is_exact and not turns and not isinstance(motion, Product)
+    rational: bool = leg.motion.is_rational
+    return rational and leg.before.is_exact
 
 
 @lru_cache(maxsize=64)
@@ -276,7 +274,7 @@ def turning(motion: Rotation | Screw, bits: int) -> tuple[Balls, Balls, Balls, l
             [[*row, x] for row, x in zip(m, shift, strict=True)]
             for m, shift in zip((along, swing, across), shifts, strict=True)
         )
-        ahead = [ball(motion.advance) * x if isinstance(motion, Screw) else nil for x in n]
+        ahead = [ball(motion.advance) * x if motion.advance else nil for x in n]
         return rest, swing, across, ahead
 
 

@@ -47,7 +47,7 @@ def _heights_of(leg: Leg, normal: Vector, start: fmpq) -> KeptHeights | None:
     if isinstance(motion, Translation):
         speed = arb(dot(row, motion.vector))
     elif isinstance(motion, Rotation | Screw) and not any(cross(motion.axis, row)):
-        speed = _rise(row, motion.axis, motion.advance) if isinstance(motion, Screw) else arb(0)
+        speed = _rise(row, motion.axis, motion.advance) if motion.advance else arb(0)
     else:
         return None
     offset = speed * ((start - leg.origin) / leg.unit)

@@ -32,7 +32,7 @@ from firstcontact.result import ExactTime
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
-    from firstcontact.motion.kinds import AnyMotion
+    from firstcontact.motion.kinds import AnyMotion, Single
 
 _0, _1 = fmpq(0), fmpq(1)
 MOST_POWERS = 8
@@ -225,7 +225,7 @@ def _difference(a: PolynomialStep, b: PolynomialStep) -> PolynomialStep | None:
     pose before it and the inverse of b's, with o = (p s - q r) / (p - q).
     """
     x, y = a.motion, b.motion
-    if not (isinstance(x, Rotation) and isinstance(y, Rotation)) or x.angle == 0 or y.angle == 0 or x.unit != y.unit:
+    if not _both_turn(x, y):
         return None
     p, q = x.angle / a.unit, y.angle / b.unit * sense_about(x, y)
     if q == 0 or p == q:
@@ -239,11 +239,16 @@ def _difference(a: PolynomialStep, b: PolynomialStep) -> PolynomialStep | None:
 def _powers(a: PolynomialStep, b: PolynomialStep) -> tuple[int, int]:
     """The whole numbers that the speeds of two rotations are in proportion to; (1, 1) where none are small."""
     x, y = a.motion, b.motion
-    if isinstance(x, Rotation) and isinstance(y, Rotation) and x.angle != 0 and y.angle != 0 and x.unit == y.unit:
+    if _both_turn(x, y):
         ratio = abs(x.angle / a.unit / (y.angle / b.unit))
         if max(ratio.p, ratio.q) <= MOST_POWERS:
             return int(ratio.p), int(ratio.q)
     return 1, 1
+
+
+def _both_turn(x: Single, y: Single) -> bool:
+    """Whether both are rotations, by angles in one unit."""
+    return isinstance(x, Rotation) and isinstance(y, Rotation) and x.angle != 0 and y.angle != 0 and x.unit == y.unit
 
 
 def step_pieces(step: PolynomialStep, first: fmpq, last: fmpq | None, of: str) -> Iterator[PolynomialPiece]:

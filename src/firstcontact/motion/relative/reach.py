@@ -73,5 +73,4 @@ def line_of(motion: Rotation | Screw) -> tuple[np.ndarray, np.ndarray, float, np
     length = math.sqrt(to_double(dot(motion.axis, motion.axis)))
     axis = np.array([to_double(x) for x in motion.axis]) / length
     point = np.array([to_double(x) for x in motion.point])
-    ahead = to_double(motion.advance) * axis if isinstance(motion, Screw) else np.zeros(3)
-    return axis, point, motion.radians, ahead
+    return axis, point, motion.radians, to_double(motion.advance) * axis

@@ -65,7 +65,6 @@ class TurningRows(NamedTuple):
 
 def turning_rows(motion: Rotation | Screw, begin: fmpq, share: fmpq, before: Placement) -> TurningRows:
     """Of the pose `before` and then the motion up to its own time begin + share s, 0 <= s."""
-    advance = motion.advance if isinstance(motion, Screw) else fmpq(0)
     with precision(BITS + bits_of_distance(motion)):
         length = arb(dot(motion.axis, motion.axis)).sqrt()
         k = [arb(x) / length for x in motion.axis]
@@ -78,8 +77,8 @@ def turning_rows(motion: Rotation | Screw, begin: fmpq, share: fmpq, before: Pla
         arm = [s - q for s, q in zip(shift, p, strict=True)]
         once = [cross(k, c) for c in (*columns, arm)]
         twice = [cross(k, c) for c in once]
-        zeroth = [*columns, [s + arb(advance * begin) * x for s, x in zip(shift, k, strict=True)]]
-        slope = [arb(advance * share) * x for x in k]
+        zeroth = [*columns, [s + arb(motion.advance * begin) * x for s, x in zip(shift, k, strict=True)]]
+        slope = [arb(motion.advance * share) * x for x in k]
         order = [(i, j) for i in range(3) for j in range(3)] + [(i, 3) for i in range(3)]
         rows = [
             [middle(zeroth[j][i]), middle(once[j][i]), middle(twice[j][i]), middle(slope[i]) if j == 3 else 0.0]
