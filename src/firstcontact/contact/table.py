@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeVar, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact import at_once, centred, common_shift, jumps, one_motion, plain
-from firstcontact.contact.runs import along, linked, turns
+from firstcontact.contact.runs import along, linked, one_joint, turns
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation, turns_of
@@ -136,14 +136,16 @@ def first_contact(query: Query) -> FirstContact:
     """The answer of the room for the bodies."""
     if _is_of_one_step(query):
         return _answer("first", query)
-    return linked.first(partial(along.first, partial(plain.asked, _first)), query)
+    whole = partial(along.first, partial(plain.asked, _first))
+    return linked.first(partial(one_joint.first, whole), query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
     if _is_of_one_step(query):
         return _answer("intervals", query)
-    return linked.intervals(partial(along.intervals, partial(plain.asked, _intervals)), query)
+    whole = partial(along.intervals, partial(plain.asked, _intervals))
+    return linked.intervals(partial(one_joint.intervals, whole), query)
 
 
 def contact_pairs(query: Query) -> ContactPairs:

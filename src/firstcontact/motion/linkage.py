@@ -140,19 +140,29 @@ class Linkage(Motion):
 
     def _part(self, k: int) -> Part:
         start, end = self.times[k], self.times[k + 1]
-        factors = [JointFactor(d.motion, d.values[k]) for d in self.drives if any(d.values[k])]
-        standing = placed(f for f in factors if not any(f.value[1:]))
-        if not any(any(f.value[1:]) for f in factors):
+        standing, moving = self.at_work(k)
+        if not moving:
             return start, end, Translation((0, 0, 0)), standing, None
-        moving = _moving(factors) if standing.is_exact else []
+        if not standing.is_exact:
+            return start, end, self._product(k), HERE, None
         if len(moving) == 1 and not any(moving[0].value[2:]):
             (motion, (begin, share, *_)), length = moving[0], end - start
             return start, end, motion.paced(share), standing, (start - begin / share * length, length)
-        if moving and all(isinstance(f.motion, Translation) for f in moving):
+        if all(isinstance(f.motion, Translation) for f in moving):
             first, *ways = _ways(moving)
             shift = _along(ways) if len(ways) > 1 else Translation(ways[0])
             return start, end, shift, standing.shifted(first), None
-        return start, end, Product(factors), HERE, None
+        return start, end, self._product(k), HERE, None
+
+    def _product(self, k: int) -> Product:
+        return Product(JointFactor(d.motion, d.values[k]) for d in self.drives if any(d.values[k]))
+
+    def at_work(self, k: int) -> tuple[Placement, list[JointFactor]]:
+        """The pose by the joints that stand in stretch k, and those that move, as they move a body that stands so;
+        where that pose is irrational, as they are."""
+        factors = [JointFactor(d.motion, d.values[k]) for d in self.drives if any(d.values[k])]
+        standing = placed(f for f in factors if not any(f.value[1:]))
+        return standing, _moving(factors) if standing.is_exact else [f for f in factors if any(f.value[1:])]
 
     @property
     def turns(self) -> float:

@@ -1,20 +1,14 @@
-"""Long trajectories: asked about while the bodies may be near, so many steps at a time, with only these made.
-
-What touches at the end of such a run does at the beginning of the next one.
-"""
+"""Long trajectories: asked about while the bodies may be near, so many steps at a time, with only these made."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 
-from firstcontact.contact.jumps import at_jump
-from firstcontact.contact.later import waiting
 from firstcontact.contact.runs import seams
 from firstcontact.contact.runs.near import Run, during, runs
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.trajectory import Trajectory
-from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
+from firstcontact.result import ContactIntervals, FirstContact
 from firstcontact.work import Query
 
 LONG = 32
@@ -25,15 +19,7 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
     """What `answer` tells of the query."""
     if not _is_long(query):
         return answer(query)
-    stats = Stats()
-    for run in _runs(query):
-        found = answer(replace(during(query, run), budget=query.budget_after(stats)))
-        stats = replace(stats + found.stats, seconds=query.stats().seconds)
-        if found.status is Status.INITIAL_CONTACT and run[0] > query.first:
-            return at_jump(found, run[0], query, stats)  # a screw ends 2^-60 beside the next pose
-        if found.status is not Status.FREE:
-            return waiting(found, dict, stats=stats, **query.shared)
-    return seams.free(query, stats)
+    return seams.first(answer, query, (during(query, run) for run in _runs(query)))
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:

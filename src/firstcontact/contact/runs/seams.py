@@ -1,4 +1,7 @@
-"""Answers to questions that were asked in parts of the span, one after the other."""
+"""Answers to questions that were asked in parts of the span, one after the other.
+
+What touches at the end of a part does at the beginning of the next one.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,23 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from firstcontact.body.compound.compound import about_models
+from firstcontact.contact.jumps import at_jump
+from firstcontact.contact.later import waiting
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
 from firstcontact.work import Query
+
+
+def first(answer: Callable[[Query], FirstContact], query: Query, parts: Iterable[Query]) -> FirstContact:
+    """All of the query, from what `answer` tells of its parts, ascending, outside of which nothing touches."""
+    stats = Stats()
+    for own in parts:
+        found = answer(replace(own, budget=query.budget_after(stats)))
+        stats = replace(stats + found.stats, seconds=query.stats().seconds)
+        if found.status is Status.INITIAL_CONTACT and own.first > query.first:
+            return at_jump(found, own.first, query, stats)  # a screw ends 2^-60 beside the next pose
+        if found.status is not Status.FREE:
+            return waiting(found, dict, stats=stats, **query.shared)
+    return free(query, stats)
 
 
 def intervals(

@@ -1,0 +1,135 @@
+"""One joint that moves at a changing pace: judged by the distance of a box and a ball, and by its value's own clock."""
+
+import math
+from fractions import Fraction as F
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from amount import amount
+
+HALF = np.array([1.0, 0.25, 0.5])
+MIDDLE = np.array([1.25, 0, 0])
+
+
+def hinged(unit="turn"):
+    """A leaf, 2 x 1/2 x 1, on a hinge along z."""
+    leaf = fc.examples.box((2, F(1, 2), 1)).translated((F(5, 4), 0, 0)).named("leaf")
+    post = fc.examples.box((F(1, 8), F(1, 8), 9)).translated((0, 0, 30)).named("post")
+    joint = fc.Joint("hinge", "revolute", "post", "leaf", axis=(0, 0, 1), point=(0, 0, 0), unit=unit)
+    return fc.Mechanism({"post": post, "leaf": leaf}, [joint])
+
+
+def leaf_of(times, values, **how):
+    course = hinged().course(times, {"hinge": values}, interpolation="cubic", **how)
+    return course.bodies["leaf"][0]
+
+
+def gap(turns, centre, radius):
+    """The distance of a ball from the leaf at these turns, by the formula of a box."""
+    angle = -2 * math.pi * np.asarray(turns)
+    x, y, z = centre
+    local = np.stack([np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y,
+                      np.full_like(angle, z)], axis=-1) - MIDDLE  # fmt: skip
+    return np.linalg.norm(np.maximum(np.abs(local) - HALF, 0.0), axis=-1) - radius
+
+
+def hermite(times, values, velocities):
+    """The value at any time, by the basis of Hermite."""
+    def at(t):
+        k = np.clip(np.searchsorted(times, t, "right") - 1, 0, len(times) - 2)
+        h = times[k + 1] - times[k]
+        s = (t - times[k]) / h
+        return ((1 + 2 * s) * (1 - s) ** 2 * values[k] + s * (1 - s) ** 2 * h * velocities[k]
+                + s**2 * (3 - 2 * s) * values[k + 1] + s**2 * (s - 1) * h * velocities[k + 1])  # fmt: skip
+
+    return at
+
+
+def test_times_are_those_of_the_distance():
+    rng, met = np.random.default_rng(20261128), 0
+    for _ in range(amount(60, 10)):
+        times = np.array([0.0, 1.0, 1.5, 3.0])
+        values, velocities = rng.integers(-8, 9, 4) / 16, rng.integers(-8, 9, 4) / 8
+        centre, radius = np.append(rng.integers(-16, 17, 2) / 8, rng.integers(-6, 7) / 8), rng.integers(1, 5) / 8
+        leaf = leaf_of(times.tolist(), values.tolist(), velocities={"hinge": velocities.tolist()})
+        ball = fc.sphere(radius).translated(centre.tolist())
+        hit, found = fc.first_contact(leaf, ball), fc.contact_intervals(leaf, ball)
+        t = np.linspace(0, 3, 3001)
+        there = gap(hermite(times, values, velocities)(t), centre, radius)
+        told = np.zeros(len(t), bool)
+        for x in found:
+            told |= (x.start_interval[0] <= t) & (t <= x.end_interval[1])
+        assert found.status is not fc.Status.UNDECIDED and hit.status is not fc.Status.UNDECIDED
+        assert not np.any(told & (there > 1e-9)) and not np.any(~told & (there < -1e-9)), (values, velocities, centre)
+        assert hit.status is found.status
+        if len(found):
+            met += 1
+            assert hit.time_interval[0] <= found[0].start_interval[1]
+            assert found[0].start_interval[0] <= hit.time_interval[1]
+            width = hit.time_interval[1] - hit.time_interval[0]
+            assert width <= 3.1e-12
+        for x in found:
+            for lo, hi in (x.start_interval, x.end_interval):
+                ends = gap(hermite(times, values, velocities)(np.array([lo, hi])), centre, radius)
+                assert np.abs(ends).min() < 1e-9 or lo <= 0.0 or hi >= 3.0 or there[0] < 0
+    assert met > 2
+
+
+def test_a_leaf_that_comes_to_rest_flush_touches_at_the_end_alone():
+    leaf = leaf_of([0, 1], [F(1, 4), 0], velocities={"hinge": [0, 0]})
+    wall = fc.examples.box((4, 1, 4)).translated((2, F(-3, 4), 0))  # its face is the leaf's lower side at the value 0
+    hit = fc.first_contact(leaf, wall)
+    assert (hit.status, hit.time, hit.time_interval) == (fc.Status.CONTACT, 1.0, (1.0, 1.0))
+    (only,) = fc.contact_intervals(leaf, wall)
+    assert (only.start, only.end) == (1.0, 1.0)
+
+
+def test_faces_that_slide_across_the_axis():
+    """Level with each other all the time: the octahedron's corners slide in the plane of the prism's side."""
+    sides = [[5, 3, 1], [5, 0, 3], [4, 1, 3], [4, 3, 0], [2, 0, 5], [2, 5, 1], [2, 4, 0], [2, 1, 4]]
+    corners = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    still = fc.Polyhedron(corners, sides).translated((2, 3, -2)).named("still")
+    outline = (-1, -1), (1, -1), (1, 0), (0, 0), (0, 1), (-1, 1)
+    walls = ([i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6] for i in range(6))
+    prism = fc.Polyhedron([(x, y, z) for z in (-1, 1) for x, y in outline],
+                          [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], *walls]).translated((-3, 2, 2))  # fmt: skip
+    joint = fc.Joint("j", "revolute", "still", "prism", axis=(0, 1, 0), point=(-3, -2, -3), unit="turn")
+    machine = fc.Mechanism({"still": still, "prism": prism.named("prism")}, [joint])
+    course = machine.course([0, 1], {"j": [1, F(-1, 4)]}, interpolation="cubic", velocities={"j": [0, 0]})
+    found = fc.contact_intervals(still, course.bodies["prism"][0])
+    turn = fc.Rotation((0, 1, 0), (-3, -2, -3), turns=-1)
+    (plain,) = fc.contact_intervals(still, prism.moving(turn), (-1, F(1, 4)))
+
+    def time_of(u):  # 1 - 5/4 (3 s^2 - 2 s^3) = -u
+        return min(np.roots([2.5, -3.75, 0, 1 + u]), key=lambda s: abs(s.real - 0.5) + abs(s.imag)).real
+
+    assert [(x.start, x.end) for x in found] == [
+        (pytest.approx(time_of(plain.start), abs=1e-12), pytest.approx(time_of(plain.end), abs=1e-12))
+    ]
+
+
+def test_a_turning_point_in_contact_and_one_that_is_missed():
+    """Values 0, 1/4 with speeds by which the leaf turns back within: the ball is where it is deepest, or beyond."""
+    velocities = {"hinge": [F(2), F(-1)]}
+    leaf = leaf_of([0, 1], [0, F(1, 4)], velocities=velocities)
+    at = hermite(np.array([0.0, 1.0]), np.array([0.0, 0.25]), np.array([2.0, -1.0]))
+    t = np.linspace(0, 1, 200001)
+    most = float(at(t).max())
+    assert 0.3 < most < 0.6
+    for ahead, meets in ((-0.02, True), (0.06, False)):
+        angle = 2 * math.pi * (most + ahead)
+        c, s = math.cos(angle), math.sin(angle)
+        centre = [round(1.5 * c - 0.3 * s, 6), round(1.5 * s + 0.3 * c, 6), 0]
+        ball = fc.sphere(F(1, 16)).translated(centre)
+        truth = gap(at(t), centre, 1 / 16) <= 0
+        assert truth.any() == meets
+        hit, found = fc.first_contact(leaf, ball), fc.contact_intervals(leaf, ball)
+        assert (hit.status is fc.Status.CONTACT) == meets
+        if meets:
+            inside = t[truth]
+            assert hit.time == pytest.approx(inside[0], abs=1e-5)
+            assert [(x.start, x.end) for x in found] == [
+                (pytest.approx(inside[0], abs=1e-5), pytest.approx(inside[-1], abs=1e-5))
+            ]
