@@ -157,6 +157,10 @@ class Linkage(Motion):
     def _product(self, k: int) -> Product:
         return Product(JointFactor(d.motion, d.values[k]) for d in self.drives if any(d.values[k]))
 
+    def moving(self, k: int) -> list[Drive]:
+        """The joints whose values change in stretch k."""
+        return [d for d in self.drives if any(d.values[k][1:])]
+
     def at_work(self, k: int) -> tuple[Placement, list[JointFactor]]:
         """The pose by the joints that stand in stretch k, and those that move, as they move a body that stands so;
         where that pose is irrational, as they are."""

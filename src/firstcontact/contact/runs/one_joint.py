@@ -18,7 +18,7 @@ from flint import fmpq, fmpq_poly
 from firstcontact.body.kept import Kept
 from firstcontact.contact.later import waiting
 from firstcontact.contact.runs import seams
-from firstcontact.errors import UnsupportedPair
+from firstcontact.contact.ways import Passed, tried
 from firstcontact.exact.numbers import above, below, exact_value, fraction
 from firstcontact.exact.rigid import Matrix, rational_sqrt
 from firstcontact.motion.linkage import Linkage
@@ -120,11 +120,10 @@ def _at_end(answer: Callable[[Query], FirstContact], found: FirstContact, course
     assert found.time_interval is not None
     if course.own.span[1] not in found.time_interval:
         return None
-    try:
-        exactly = answer(replace(course.own, exact=True, progress=None))
-    except UnsupportedPair:
+    exactly = tried(lambda: answer(replace(course.own, exact=True, progress=None)))
+    if isinstance(exactly, Passed) or exactly.time_exact != fraction(course.own.end):
         return None
-    return (above(course.own.end),) * 2 if exactly.time_exact == fraction(course.own.end) else None
+    return (above(course.own.end),) * 2
 
 
 def _intervals(answer: Callable[[Query], ContactIntervals], part: Query) -> ContactIntervals:
@@ -200,20 +199,19 @@ def _cuts(query: Query) -> list[fmpq] | None:
 
 def _joint(query: Query, start: fmpq, end: fmpq) -> SoleJoint | None:
     """What alone moves then, at a pace that changes; the times are of one stretch of all motions."""
-    found: list[tuple[int, JointFactor, fmpq, fmpq]] = []
-    places = [HERE, HERE]
-    for k, body in enumerate(query.bodies):
-        link = body.motion if isinstance(body, Moving) else None
-        if not isinstance(link, Linkage):
-            continue
-        stretch = link.stretch((start + end) / 2)
+    motions = [x.motion if isinstance(x, Moving) else None for x in query.bodies]
+    links = [(k, x, x.stretch((start + end) / 2)) for k, x in enumerate(motions) if isinstance(x, Linkage)]
+    if start == end or [len(d.values[j]) > 2 for _, x, j in links for d in x.moving(j)] != [True]:
+        return None  # none, or many, or one that keeps its pace
+    places, found = [HERE, HERE], list[tuple[int, JointFactor, fmpq, fmpq]]()
+    for k, link, stretch in links:
         places[k], factors = link.at_work(stretch)
         found += [(k, f, link.times[stretch], link.times[stretch + 1]) for f in factors]
-    if len(found) != 1 or not all(place.is_exact for place in places) or start == end:
+    (of, factor, begin, until), = found
+    if not all(place.is_exact for place in places):
         return None
-    k, factor, begin, until = found[0]
     value = factor.within(-begin / (until - begin), 1 / (until - begin))
-    return SoleJoint(factor.motion, value, k, (places[0], places[1])) if len(value) > 2 else None
+    return SoleJoint(factor.motion, value, of, (places[0], places[1])) if len(value) > 2 else None
 
 
 def _course(part: Query) -> ValueCourse | None:

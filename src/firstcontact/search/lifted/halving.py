@@ -174,14 +174,8 @@ def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, er
             return reason
         done = integers[QUERY] - 1
         if done < samples:
-            count = min(samples - done, FEW_PAIRS)
-            integers[QUERY] += count
-            for p in range(done, done + count):
-                part_a, part_b = a.parts[p % m], b.parts[p % n]
-                test_pair(
-                    motion, part_a[0], part_a[1], xyz_a[part_a[0]], part_b[0], part_b[1], xyz_b[part_b[0]],
-                    1 << SIDE, err_a, err_b, floats, integers, times, candidates,
-                )  # fmt: skip
+            _test_samples(a, b, done, min(samples - done, FEW_PAIRS), motion, xyz_a, xyz_b, err_a, err_b,
+                          floats, integers, times, candidates)  # fmt: skip
             continue
         here = integers[STACK] - 1
         frame = frames[here]
@@ -212,6 +206,19 @@ def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, er
         _split(x, A_FIRST if cut_a else B_FIRST, y, B_FIRST if cut_a else A_FIRST, -1.0 if cut_a else 1.0, origin,
                scale, room, row, scratch, query, work, motion, arc, reach, err, floats, integers)  # fmt: skip
     return DONE
+
+
+@uncounted
+def _test_samples(a, b, done, count, motion, xyz_a, xyz_b, err_a, err_b, floats, integers, times, candidates):
+    """Test so many pairs after those that are done, each edge of the smaller set in turn with several of the other."""
+    m, n = a.parts.shape[0], b.parts.shape[0]
+    integers[QUERY] += count
+    for p in range(done, done + count):
+        part_a, part_b = a.parts[p % m], b.parts[p % n]
+        test_pair(
+            motion, part_a[0], part_a[1], xyz_a[part_a[0]], part_b[0], part_b[1], xyz_b[part_b[0]],
+            1 << SIDE, err_a, err_b, floats, integers, times, candidates,
+        )  # fmt: skip
 
 
 @uncounted
