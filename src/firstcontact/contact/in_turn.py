@@ -35,7 +35,7 @@ class Round(NamedTuple):
 
 
 ROUNDS = (
-    Round(4_000, 100, QUICK), Round(100_000, 300, FARTHER),
+    Round(4_000, 130, QUICK), Round(100_000, 300, FARTHER),
     Round(200_000, 1_000, FARTHEST), Round(None, None, FARTHEST),
 )  # fmt: skip
 """About 0.2, 2, 5 s and more of either."""
