@@ -12,6 +12,7 @@ from fractions import Fraction as F  # noqa: N817
 from typing import Any, Literal
 
 import numpy as np
+import trimesh
 
 import firstcontact as fc
 
@@ -429,3 +430,28 @@ def _quarter_tube() -> Question:
     tube = fc.RuledSurface(f"({cosine}, {sine}, 0)", f"({cosine}, {sine}, 2)", u=(0, 1))
     rod = fc.cylinder(1, 2).translated((0, 0, 1)) & fc.box((4, 4, 8)).translated((-2, -2, 0))
     return intervals(tube.moving(fc.Rotation((0, 0, 1), degrees=360)), rod)
+
+
+# -- links --------------------------------------------------------------------------------------------------
+
+
+@row("faces that slide across a hinge's axis, at a changing pace, intervals", "70 s, UNDECIDED", 5)
+def _hinge() -> Question:
+    sides = [[5, 3, 1], [5, 0, 3], [4, 1, 3], [4, 3, 0], [2, 0, 5], [2, 5, 1], [2, 4, 0], [2, 1, 4]]
+    corners = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    still = fc.Polyhedron(corners, sides).translated((2, 3, -2)).named("still")
+    outline = (-1, -1), (1, -1), (1, 0), (0, 0), (0, 1), (-1, 1)
+    walls = [[i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6] for i in range(6)]
+    ends = [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11]]
+    prism = fc.Polyhedron([(x, y, z) for z in (-1, 1) for x, y in outline], [*ends, *walls]).translated((-3, 2, 2))
+    joint = fc.Joint("hinge", "revolute", "still", "prism", axis=(0, 1, 0), point=(-3, -2, -3), unit="turn")
+    machine = fc.Mechanism({"still": still, "prism": prism.named("prism")}, [joint])
+    course = machine.course([0, 1, 2], {"hinge": [1, F(-1, 4), F(1, 2)]}, interpolation="cubic")
+    return intervals(still, course.bodies["prism"][0])
+
+
+@row("mesh of 320 triangles past a ruled wing, between, intervals", "39 s", 5)
+def _wing() -> Question:
+    ball = fc.Polyhedron.from_trimesh(trimesh.creation.icosphere(2)).translated((0.3, 0.2, 5))
+    way = fc.RationalMotion.between((0, 0, 0), (0, 0, -9), quat_wxyz=((1, 0, 0, 0), (1, 0, F(1, 3), 0)))
+    return intervals(ball.moving(way), fc.RuledSurface("(u, u**2, 0)", "(u, 1 + u**2, u)"))
