@@ -32,7 +32,7 @@ from OCP.TopLoc import TopLoc_Location
 
 import firstcontact as fc
 import step_parts
-from firstcontact.step.text import checked
+from firstcontact.step.written.text import checked
 from step_scenes import assembly_scene, many_bodies
 
 POINTS, CLOSE, MOST_STEPS, ROUNDING = 100_000, 1e-6, 200, 1e-7

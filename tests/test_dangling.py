@@ -11,7 +11,7 @@ from flint import fmpq, fmpz_poly
 import firstcontact as fc
 from firstcontact import Status
 from firstcontact.body.solid.csg import And, Leaf, Not
-from firstcontact.contact.models.dangling import is_dangling
+from firstcontact.contact.models.shared.dangling import is_dangling
 from firstcontact.exact.fields.number_field import NumberField
 from firstcontact.exact.fields.roots import AlgebraicRoot
 

@@ -9,9 +9,10 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.body.solid.carriers import Plane
-from firstcontact.contact.models import certified, flat_contacts
+from firstcontact.contact.models import certified
 from firstcontact.contact.models import first as verbs
-from firstcontact.contact.models.touched import group, with_neighbours
+from firstcontact.contact.models.shared import flat_contacts
+from firstcontact.contact.models.shared.touched import group, with_neighbours
 
 BOX, DRUM, CONE = fc.box((1, 2, "3/2")), fc.cylinder("3/4", 2), fc.cone("3/4", 2)
 LYING = DRUM.rotated((1, 0, 0), degrees=90)

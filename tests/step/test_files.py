@@ -220,7 +220,7 @@ def test_a_mapped_item_is_a_place(tmp_path, placed):
 
 def test_a_solid_that_is_left_out_is_told(tmp_path, block, monkeypatch):
     """Of which OpenCASCADE makes nothing, without a word, as of such numbers."""
-    from firstcontact.step import text as checks
+    from firstcontact.step.written import text as checks
 
     monkeypatch.setattr(checks, "check_numbers", lambda *given: None)
     vertex = entities(block, "VERTEX_POINT")[0]

@@ -17,8 +17,9 @@ from firstcontact.body.solid.feature_names import unique
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import positive_double, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, compose
-from firstcontact.step import bodies, reader, units
+from firstcontact.step import bodies, reader
 from firstcontact.step.reader import Shape, TreeNode
+from firstcontact.step.written import units
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from firstcontact.errors import InputError
-from firstcontact.step.words import REPRESENTATION, USED
+from firstcontact.step.written.words import REPRESENTATION, USED
 
 _RELATING = re.compile(
     rb"#(\d+)\s*=\s*(NEXT_ASSEMBLY_USAGE_OCCURRENCE|PRODUCT_DEFINITION_SHAPE|CONTEXT_DEPENDENT_SHAPE_REPRESENTATION|"

@@ -21,8 +21,8 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.motion.poses import SNAP, read_pose
-from firstcontact.step import frames, text
-from firstcontact.step.units import MILLIMETRES, unit_of
+from firstcontact.step.written import frames, text
+from firstcontact.step.written.units import MILLIMETRES, unit_of
 
 if TYPE_CHECKING:
     from OCP.gp import gp_Trsf

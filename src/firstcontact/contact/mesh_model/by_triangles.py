@@ -38,7 +38,7 @@ from firstcontact.contact.models.certified import Directions, bounded, may_share
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.models.last_instant import is_kept, near_pose
 from firstcontact.contact.models.moving_pair import MovingPair
-from firstcontact.contact.models.touched import ACROSS
+from firstcontact.contact.models.shared.touched import ACROSS
 from firstcontact.contact.ways import Passed, Way, answered, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import above, exact_value, fraction

@@ -22,7 +22,7 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.patches import Patch, has_area, longest_side, patch, triangles_at_edge
-from firstcontact.contact.models.same_point import near_surfaces
+from firstcontact.contact.models.shared.same_point import near_surfaces
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.kernels.convex.advancement import CONTACT, advance_pieces

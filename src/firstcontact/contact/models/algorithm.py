@@ -24,9 +24,9 @@ from firstcontact.contact.models.at_rest import (
     soon_told,
     whole_faces,
 )
-from firstcontact.contact.models.contact_sets import OPEN, Shared, shared_part
-from firstcontact.contact.models.membership import extent
 from firstcontact.contact.models.moving_pair import MovingPair
+from firstcontact.contact.models.shared.contact_sets import OPEN, Shared, shared_part
+from firstcontact.contact.models.shared.membership import extent
 from firstcontact.contact.models.square_subproblems import SquareSubproblem
 from firstcontact.contact.models.subproblems import Subproblem, subproblems
 from firstcontact.exact.fields.roots import AlgebraicRoot

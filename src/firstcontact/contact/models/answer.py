@@ -13,9 +13,9 @@ from firstcontact.body.solid.composite_quadric import SINGULAR, CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.leading import leads
 from firstcontact.contact.models.algorithm import Candidate, CandidateSearch, Meeting, Root
-from firstcontact.contact.models.contact_sets import cartesian
-from firstcontact.contact.models.largest_set import NEAR, largest_set
 from firstcontact.contact.models.moving_pair import Form, MovingPair, form_at, is_plane
+from firstcontact.contact.models.shared.contact_sets import cartesian
+from firstcontact.contact.models.shared.largest_set import NEAR, largest_set
 from firstcontact.contact.reduce import face_at
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import precision

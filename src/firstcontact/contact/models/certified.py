@@ -18,10 +18,19 @@ from firstcontact.body.kept import Kept
 from firstcontact.body.solid import primitives
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.contact.leading import leads
-from firstcontact.contact.models.flat_contacts import FlatShared, Pair, shared_set
 from firstcontact.contact.models.kept_directions import turning_axes
-from firstcontact.contact.models.same_point import may_touch_more, near_surfaces, pairs_at
-from firstcontact.contact.models.touched import Flat, Flats, Point, group, is_parallel, lowest, ranked, with_neighbours
+from firstcontact.contact.models.shared.flat_contacts import FlatShared, Pair, shared_set
+from firstcontact.contact.models.shared.same_point import may_touch_more, near_surfaces, pairs_at
+from firstcontact.contact.models.shared.touched import (
+    Flat,
+    Flats,
+    Point,
+    group,
+    is_parallel,
+    lowest,
+    ranked,
+    with_neighbours,
+)
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw

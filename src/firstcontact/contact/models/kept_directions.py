@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from firstcontact.body.solid.carriers import dot
-from firstcontact.contact.models.touched import Flat, coprime
+from firstcontact.contact.models.shared.touched import Flat, coprime
 from firstcontact.motion.moving import Moving
 
 if TYPE_CHECKING:

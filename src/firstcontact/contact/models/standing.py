@@ -18,7 +18,7 @@ from firstcontact.body.solid.carriers import Plane, Rows, Surface, dot, primitiv
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import Leaf, conjunction
 from firstcontact.contact.models.kept_directions import Axis, turning_axes
-from firstcontact.contact.models.touched import coprime
+from firstcontact.contact.models.shared.touched import coprime
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.search.convex.convex import NotConvex, convex_pieces, half_spaces
 

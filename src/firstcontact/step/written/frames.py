@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from firstcontact.errors import InputError
-from firstcontact.step.text import bared
+from firstcontact.step.written.text import bared
 
 _ENTITY = re.compile(
     rb"#(\d+)\s*=\s*(AXIS2_PLACEMENT_3D|CARTESIAN_POINT|DIRECTION|ITEM_DEFINED_TRANSFORMATION|MAPPED_ITEM|"

@@ -18,9 +18,9 @@ import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.body.solid.csg import possible
-from firstcontact.contact.models.held_parts import TURN, ConicPart, HeldParts, ModelForms, on_faces
-from firstcontact.contact.models.membership import On, Vector, in_both
 from firstcontact.contact.models.moving_pair import Form, MovingPair, form_at, is_plane
+from firstcontact.contact.models.shared.held_parts import TURN, ConicPart, HeldParts, ModelForms, on_faces
+from firstcontact.contact.models.shared.membership import On, Vector, in_both
 from firstcontact.exact.fields.number_field import NumberField, QuadraticElement, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import exact_value, precision

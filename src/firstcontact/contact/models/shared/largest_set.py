@@ -17,10 +17,10 @@ from firstcontact.body.solid.carriers import Conic, Line, Plane
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.algorithm import Meeting, Root
-from firstcontact.contact.models.contact_sets import Shared, TrimForms, scaled, shared_part
-from firstcontact.contact.models.membership import On, Vector, in_both
 from firstcontact.contact.models.moving_pair import Form, MovingPair, is_plane
-from firstcontact.contact.models.patches import along_surface, beside, border
+from firstcontact.contact.models.shared.contact_sets import Shared, TrimForms, scaled, shared_part
+from firstcontact.contact.models.shared.membership import On, Vector, in_both
+from firstcontact.contact.models.shared.patches import along_surface, beside, border
 from firstcontact.exact.fields.number_field import NumberField, is_zero
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import exact_value

@@ -34,8 +34,8 @@ from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, inside
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.forms import Form, forms_of, value
 from firstcontact.contact.models.kept_directions import Axis, stay_parallel
-from firstcontact.contact.models.patches import beside, border
-from firstcontact.contact.models.touched import Flat, Flats, Point, coprime, is_parallel
+from firstcontact.contact.models.shared.patches import beside, border
+from firstcontact.contact.models.shared.touched import Flat, Flats, Point, coprime, is_parallel
 from firstcontact.exact.vectors import along, cross, sub
 from firstcontact.search.convex.convex import NotConvex, convex_pieces
 

@@ -11,8 +11,8 @@ from flint import arb
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import borders, outcomes
 from firstcontact.body.solid.features import Edge, Face, Vertex
-from firstcontact.contact.models.dangling import is_dangling
 from firstcontact.contact.models.moving_pair import Form, MovingPair, form_at, is_plane
+from firstcontact.contact.models.shared.dangling import is_dangling
 from firstcontact.exact.fields.number_field import NumberField, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import Undecidable, precision

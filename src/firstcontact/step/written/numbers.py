@@ -8,7 +8,7 @@ from pathlib import Path
 
 from firstcontact.errors import InputError
 from firstcontact.motion.translation import LARGEST
-from firstcontact.step.words import DEFINED
+from firstcontact.step.written.words import DEFINED
 
 _REAL = rb"\s*[-+]?(?:\d+\.\d*(?:E[-+]?\d+)?|\.\d+(?:E[-+]?\d+)?|\d+)\s*"
 _NUMBER = re.compile(_REAL, re.I)

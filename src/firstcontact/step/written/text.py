@@ -7,9 +7,9 @@ import re
 from pathlib import Path
 
 from firstcontact.errors import InputError
-from firstcontact.step.numbers import check_numbers
 from firstcontact.step.occurrences import check_places
-from firstcontact.step.words import DEFINED, REPRESENTATION, USED
+from firstcontact.step.written.numbers import check_numbers
+from firstcontact.step.written.words import DEFINED, REPRESENTATION, USED
 
 _NO_FACES = re.compile(rb"#(\d+)\s*=\s*(CLOSED_SHELL|OPEN_SHELL)\s*\([^;()]*\(\s*\)\s*\)")
 _HIDDEN = re.compile(rb"'(?:[^']|'')*'|/\*.*?\*/", re.S)

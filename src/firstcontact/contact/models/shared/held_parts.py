@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firstcontact.body.solid.csg import Tree, outcomes, possible
-from firstcontact.contact.models.membership import On
+from firstcontact.contact.models.shared.membership import On
 
 TURN = 2.0 * math.pi
 PARTS = 720

@@ -16,7 +16,7 @@ from firstcontact.body.kept import Kept
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.models.at_contact import contact_then
 from firstcontact.contact.models.forms import Form, forms_of, gradient, value
-from firstcontact.contact.models.touched import ACROSS, Point, TouchingGroup, is_parallel
+from firstcontact.contact.models.shared.touched import ACROSS, Point, TouchingGroup, is_parallel
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.result import FirstContact
 from firstcontact.search.convex.advance import Advance
