@@ -133,3 +133,26 @@ def test_a_turning_point_in_contact_and_one_that_is_missed():
             assert [(x.start, x.end) for x in found] == [
                 (pytest.approx(inside[0], abs=1e-5), pytest.approx(inside[-1], abs=1e-5))
             ]
+
+
+def test_what_deforms_does_so_by_the_time():
+    """A spike that rises by 4 T meets the leaf's lower side at T = 1/8, wherever the hinge is then."""
+    leaf = leaf_of([0, 1], [0, F(1, 4)], velocities={"hinge": [0, 0]})
+    rim = "(5/4 + (1 - u**2)/(10 + 10*u**2), u/(5 + 5*u**2), 4*T - 2)"
+    hit = fc.first_contact(leaf, fc.RuledSurface("(5/4, 0, 4*T - 1)", rim, u=(-1, 1)))
+    assert hit.status is fc.Status.CONTACT
+    assert hit.time == pytest.approx(0.125, abs=1e-9)
+
+
+def test_what_is_told_of_a_place_is_told_in_the_world():
+    leaf = leaf_of([0, 1], [F(1, 4), 0], velocities={"hinge": [0, 0]})
+    hit = fc.first_contact(leaf, fc.sphere(F(1, 4)).translated((F(3, 2), F(1, 2), 0)))
+    assert hit.status is fc.Status.CONTACT and hit.a is leaf
+    assert hit.element_a.body == "leaf"
+    at = np.array([1.5, 0.5, 0.0])
+    assert np.linalg.norm(hit.point - at) == pytest.approx(0.25, abs=1e-9)
+    assert np.linalg.norm(hit.normal) == pytest.approx(1.0) and abs(np.dot(hit.normal, hit.point - at)) > 0.2499
+    (value,) = hit.joints
+    assert value.name == "hinge" and value.interval[0] <= value.value <= value.interval[1]
+    assert gap(np.array([value.value]), at, 0.25) == pytest.approx(0.0, abs=1e-9)
+    assert hit.stats.ways and hit.free_until == hit.time_interval[0]

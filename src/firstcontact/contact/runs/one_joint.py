@@ -184,7 +184,8 @@ def _cuts(query: Query) -> list[fmpq] | None:
     where it does so all the time."""
     motions = [x.motion for x in query.bodies if isinstance(x, Moving)]
     links = [x for x in motions if isinstance(x, Linkage)]
-    if query.is_algebraic or not links or len(links) < len(motions):
+    deforms = any(getattr(shape_of(x), "deforming", False) for x in query.bodies)  # by the time, not by the value
+    if query.is_algebraic or not links or len(links) < len(motions) or deforms:
         return None
     knots = sorted({t for x in links for t in x.times if query.first < t < query.end})
     times, found = [query.first], False
