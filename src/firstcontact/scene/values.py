@@ -139,7 +139,7 @@ Face = Annotated[Any, BeforeValidator(_face)]
 class Table(BaseModel):
     """A TOML table: unknown keys are refused with the known ones listed."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)  # built once, with the whole scene
 
     @model_validator(mode="before")
     @classmethod
