@@ -6,6 +6,7 @@ from fractions import Fraction as F
 
 import numpy as np
 import pytest
+import trimesh
 
 import firstcontact as fc
 from firstcontact.contact.plain import plainly
@@ -79,3 +80,33 @@ def test_what_is_plain_is_told_over_the_span_alone():
 def test_what_speeds_up_stretches_turns_or_bends_off_is_no_shift(motion):
     body = fc.sphere(1).moving(motion)
     assert plainly(body, rational(0, "time"), rational(1, "time")) is body
+
+
+@pytest.mark.parametrize("kind", ["linear-quaternion", "screw", "between"])
+def test_a_straight_way_of_poses_is_asked_about_as_the_shift_that_it_is(kind):
+    """Boxes of many triangles that overlap at the start: events of balls took over a minute."""
+    a, b = (fc.Polyhedron.from_trimesh(trimesh.creation.box(sides).subdivide().subdivide())
+            for sides in ((5, 1, 1), (3, 1, 1)))  # fmt: skip
+    away = np.eye(4)
+    away[:3, 3] = -4, 2, 4
+    motion = (
+        fc.RationalMotion.between((0, 0, 0), (-4, 2, 4), quat_wxyz=((1, 0, 0, 0), (1, 0, 0, 0)))
+        if kind == "between" else fc.Trajectory([0, 1], [np.eye(4), away], interpolation=kind)
+    )  # fmt: skip
+    (told,) = fc.contact_intervals(a.moving(motion), b)
+    assert (told.start, told.end) == (0.0, 0.25)
+    hit = fc.first_contact(a.translated((9, 0, 0)).moving(motion), b)
+    plain = fc.first_contact(a.translated((9, 0, 0)).moving(fc.Translation((-4, 2, 4))), b)
+    assert (hit.status, hit.time) == (plain.status, plain.time)
+    assert hit.a.motion is motion
+
+
+def test_a_span_that_ends_with_a_jump_is_not_that_of_the_step_before():
+    """A step whose own pose at its start is elsewhere: the bodies share a point at the very end of the span alone."""
+    shift = [[0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1], [0, 0, 0, 0]]
+    there = [[int(i == j) if j < 3 else (0, 0, 10, 1)[i] for j in range(4)] for i in range(4)]
+    motion = fc.Sequence([fc.Translation((1, 0, 0)), fc.RationalMotion([there, shift])], [1, 1])
+    ball = fc.sphere(1)
+    hit = fc.first_contact(ball.moving(motion), ball.translated((1, 0, 11)), (0, 1))
+    assert (hit.status, hit.time) == (fc.Status.CONTACT, 1.0)
+    assert [x.start for x in fc.contact_intervals(ball.moving(motion), ball.translated((1, 0, 11)), (0, 1))] == [1.0]

@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from flint import fmpq
 
 from firstcontact.body.kept import Kept
+from firstcontact.contact.later import waiting
 from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.exact.vectors import Vector, scaled
-from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.moving import Moving, drift_of, shape_of
 from firstcontact.motion.placement import HERE, advanced
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.stretches import known_steps
@@ -54,23 +55,33 @@ _PLACED = Kept[dict[Plain, Any]]()
 
 
 def asked(answer: Callable[[Query], R], query: Query) -> R:
-    """What `answer` tells of the query, or where that is open of bodies that move as plainly as they can be told to."""
-    found = answer(query)
-    if found.status is not Status.UNDECIDED or query.is_spent(found.reason):
-        return found
+    """What `answer` tells of the query, and of bodies that move as plainly as they can be told to.
+
+    Of these it is asked at once where their ways are straight, else where the query itself is left open.
+    """
     a, b = (plainly(body, query.first, query.last) for body in query.bodies)
     if a is query.a and b is query.b:
-        return found
-    told = answer(replace(query, a=a, b=b, budget=query.budget_after(found.stats)))
-    if told.status is Status.UNDECIDED:
-        return found
-    return replace(told, a=query.a, b=query.b, stats=replace(found.stats + told.stats, seconds=query.stats().seconds))
+        return answer(query)
+    own = replace(query, a=a, b=b)
+    asked = (own, query) if drift_of(a) is not None and drift_of(b) is not None else (query, own)
+    found = answer(asked[0])
+    if found.status is Status.UNDECIDED and not query.is_spent(found.reason):
+        told = answer(replace(asked[1], budget=query.budget_after(found.stats)))
+        stats = replace(found.stats + told.stats, seconds=query.stats().seconds)
+        found = found if told.status is Status.UNDECIDED else _with(told, stats=stats)
+    return _with(found, **query.shared)
+
+
+def _with(found: R, **changes: Any) -> R:
+    return replace(found, **changes) if isinstance(found, ContactIntervals) else waiting(found, dict, **changes)
 
 
 def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:
     """The same over these times, moved by a Translation, Rotation or Screw; the body itself where it cannot be."""
     if not isinstance(body, Moving) or not isinstance(body.motion, _OF_STEPS):
         return body
+    if isinstance(body.motion, Sequence) and any(first <= t and (last is None or t <= last) for t in body.motion.jumps):
+        return body  # at the end of the span too, which holds the pose after it
     end = () if last is None else (int(last.p), int(last.q))
     plain = _plain(body.motion, int(first.p), int(first.q), *end)
     return body if plain is None else Moving(_placed(shape_of(body), plain), plain.motion)
