@@ -76,7 +76,12 @@ class AskedSoFar:
 
     def is_cut_short(self, query: Query, proved: FirstContact | ContactIntervals | None) -> bool:
         """Whether doubles may tell more in a longer search."""
-        return not query.is_algebraic and not self.ended and (proved is None or proved.reason == "budget")
+        return not query.is_algebraic and not self.ended and _may_tell_more(proved)
+
+
+def _may_tell_more(proved: FirstContact | ContactIntervals | None) -> bool:
+    """Whether doubles were not asked yet, or stopped at their limit: else elimination need not wait for them."""
+    return proved is None or proved.reason == "budget"
 
 
 InDoubles = Callable[[Query], FirstContact]
@@ -110,7 +115,8 @@ def _first_ways(
     def by_elimination(query: Query, proved: FirstContact | None) -> FirstContact | Passed:
         if query.is_algebraic:
             return _with_advice(query, partial(exactly, query, own.reach), in_doubles)
-        ask = partial(exactly, _limited(query, own.steps), own.reach)
+        far = own if _may_tell_more(proved) else ROUNDS[-1]
+        ask = partial(exactly, _limited(query, far.steps), far.reach)
         return _beside(proved, decided(turns.asked(ask), query))
 
     def is_open(query: Query, _: FirstContact | None) -> bool:
@@ -182,7 +188,8 @@ def intervals_in_turn(
         return decided(in_doubles(query, work(turns.boxes(own))), query)
 
     def by_elimination(own: Round, query: Query, proved: ContactIntervals | None) -> ContactIntervals | Passed:
-        ask = partial(turns.asked, partial(exactly, query, work(own.steps), own.reach))
+        far = own if _may_tell_more(proved) else ROUNDS[-1]
+        ask = partial(turns.asked, partial(exactly, query, work(far.steps), far.reach))
         return _beside(proved, decided(_with_advice(query, ask, first), query))
 
     ways: list[Way[ContactIntervals]] = []

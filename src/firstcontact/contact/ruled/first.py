@@ -38,6 +38,9 @@ from firstcontact.work import Query, Work
 if TYPE_CHECKING:
     from firstcontact.body.kinds import RuledBody
 
+SETUP = 8
+"""Decisions of a time that take as long as the equations of a pair: of many triangles these are most of the work."""
+
 
 @intervals_of_level
 def intervals(query: Query) -> ContactIntervals:
@@ -164,6 +167,7 @@ def _pair(
     span = span_of(step.motion)
     joined = shape_of(x).joined, shape_of(y).joined
     times = Times(conditions(x, y, step, span), span, work, reach)
+    work.step(SETUP * times.steps)
     of = {"a": (query.a, i, turned[0]), "b": (query.b, j, turned[1])}
 
     def named(known: tuple[str, int], which: str) -> Element | None:
