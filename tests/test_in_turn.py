@@ -8,7 +8,7 @@ from flint import fmpq
 
 import firstcontact as fc
 from amount import THOROUGH
-from firstcontact.contact.in_turn import ROUNDS, intervals_in_turn
+from firstcontact.contact.in_turn import ROUNDS, first_in_turn, intervals_in_turn
 from firstcontact.contact.signs.sheets import TooLarge
 from firstcontact.work import Query
 
@@ -65,6 +65,34 @@ def test_doubles_go_on_alone_where_elimination_takes_no_such_motion():
     assert of(fc.UnsupportedPair) == (fc.Status.FREE, [None])
     later = [own.boxes for own in ROUNDS[1:]]  # what is too large may be less so in the next round
     assert of(TooLarge) == (fc.Status.FREE, later)
+
+
+@pytest.mark.parametrize("verb", [first_in_turn, intervals_in_turn])
+def test_elimination_is_asked_once_without_a_limit_where_doubles_are_at_their_end(verb):
+    """It need not wait for what they told already; and what it does not take then, it does not take in later rounds."""
+    asked = []
+
+    def of(kind):
+        def in_doubles(query, *work):
+            asked.append("doubles")
+            told = (fc.Status.UNDECIDED, "precision")
+            return fc.ContactIntervals((), told[0], 0.0, told[1]) if kind else fc.FirstContact(told[0], reason=told[1])
+
+        return in_doubles
+
+    def exactly(query, *work_and_reach):
+        budget = work_and_reach[0].budget if len(work_and_reach) > 1 else query.budget
+        asked.append((budget, work_and_reach[-1]))
+        raise TooLarge("no")
+
+    query = Query(BLADE, PLATE, fmpq(0), fmpq(1))
+    if verb is first_in_turn:
+        verb(query, of(False), exactly, lambda proved: False)
+        assert asked == ["doubles", (None, ROUNDS[-1].reach)]
+    else:
+        verb(query, of(False), of(True), exactly)
+        first, last = (ROUNDS[0].steps, ROUNDS[0].reach), (None, ROUNDS[-1].reach)
+        assert asked == ["doubles", first, "doubles", last]
 
 
 @pytest.mark.thorough

@@ -110,3 +110,15 @@ def test_a_span_that_ends_with_a_jump_is_not_that_of_the_step_before():
     hit = fc.first_contact(ball.moving(motion), ball.translated((1, 0, 11)), (0, 1))
     assert (hit.status, hit.time) == (fc.Status.CONTACT, 1.0)
     assert [x.start for x in fc.contact_intervals(ball.moving(motion), ball.translated((1, 0, 11)), (0, 1))] == [1.0]
+
+
+def test_copies_by_other_names_are_told_by_their_own():
+    """Both ways are straight and begin elsewhere, in one pose; what is kept of the shape is kept of all its copies."""
+    box = fc.examples.box((1, 1, 1))
+    there = fc.Trajectory([0, 1], [shifted((0, 0, 5)), shifted((0, 0, 1))])
+    for name in ("left", "right"):
+        hit = fc.first_contact(box.named(name).moving(there), fc.examples.box((4, 4, 1)).named("floor"))
+        assert (hit.time, hit.element_a.body, hit.element_b.body) == (1.0, name, "floor")
+        ball = fc.sphere(1).named("ball")
+        hit = fc.first_contact(ball.named(name).moving(there), fc.examples.box((4, 4, 1)).named("floor"))
+        assert hit.element_a.body == name

@@ -12,6 +12,7 @@ from fractions import Fraction
 import pytest
 
 import firstcontact as fc
+from firstcontact.contact.later import LAST, LATER, changed
 
 CUBE = fc.examples.box((1, 1, 1))
 TARGET = CUBE.translated((3, 0.25, 0.125))
@@ -233,3 +234,23 @@ def test_a_name_is_no_body():
 def test_a_contact_of_elements_that_are_not_told_says_so():
     hit = fc.FirstContact(fc.Status.CONTACT, time=0.5, time_interval=(0.5, 0.5), free_until=0.5)
     assert "which elements meet is not told" in str(hit) and "None" not in str(hit)
+
+
+def test_what_costs_another_question_goes_on_waiting():
+    """Answers with other fields are made of others in many places, of parts as well."""
+    asked = []
+
+    def places():
+        asked.append("places")
+        return {name: None for name in LATER} | {"_rest": last}
+
+    def last():
+        asked.append("last")
+        return {LAST: True}
+
+    known = {name: None for name in fc.FirstContact.__dataclass_fields__ if name not in (*LATER, LAST)}
+    known |= {"status": fc.Status.INITIAL_CONTACT, "keeps_bodies": False}
+    found = changed(changed(fc.FirstContact.deferring(known, places, LAST), time=1.0), joints=())
+    assert (found.time, found.status, asked) == (1.0, fc.Status.INITIAL_CONTACT, [])
+    assert found.point is None and asked == ["places"]
+    assert found.within_deviation and asked == ["places", "last"]

@@ -51,12 +51,14 @@ T = TypeVar("T")
 class AskedSoFar:
     """What is known of a question's rounds.
 
-    refused  whether elimination does not take it, however far it goes: then doubles go on without a limit.
-    ended    whether doubles went as far as it takes.
+    refused    whether elimination does not take it, however far it goes: then doubles go on without a limit.
+    ended      whether doubles went as far as it takes.
+    exhausted  whether elimination did.
     """
 
     refused: bool = False
     ended: bool = False
+    exhausted: bool = False
 
     def boxes(self, own: Round) -> int | None:
         """How far doubles go in a round."""
@@ -74,13 +76,23 @@ class AskedSoFar:
             self.refused = True
             raise
 
+    def reach(self, own: Round, proved: FirstContact | ContactIntervals | None) -> Round:
+        """How far elimination goes in a round: as far as it takes where it need not wait for doubles."""
+        far = own if _may_tell_more(proved) else ROUNDS[-1]
+        self.exhausted = far is ROUNDS[-1]
+        return far
+
     def is_cut_short(self, query: Query, proved: FirstContact | ContactIntervals | None) -> bool:
         """Whether doubles may tell more in a longer search."""
         return not query.is_algebraic and not self.ended and _may_tell_more(proved)
 
+    def is_open(self, query: Query, _: FirstContact | ContactIntervals | None) -> bool:
+        """Whether elimination may."""
+        return not query.is_certified and not self.refused and not self.exhausted
+
 
 def _may_tell_more(proved: FirstContact | ContactIntervals | None) -> bool:
-    """Whether doubles were not asked yet, or stopped at their limit: else elimination need not wait for them."""
+    """Whether doubles were not asked yet, or stopped at their limit."""
     return proved is None or proved.reason == "budget"
 
 
@@ -115,14 +127,11 @@ def _first_ways(
     def by_elimination(query: Query, proved: FirstContact | None) -> FirstContact | Passed:
         if query.is_algebraic:
             return _with_advice(query, partial(exactly, query, own.reach), in_doubles)
-        far = own if _may_tell_more(proved) else ROUNDS[-1]
+        far = turns.reach(own, proved)
         ask = partial(exactly, _limited(query, far.steps), far.reach)
         return _beside(proved, decided(turns.asked(ask), query))
 
-    def is_open(query: Query, _: FirstContact | None) -> bool:
-        return not query.is_certified and not turns.refused
-
-    return [Way("in doubles", by_doubles, turns.is_cut_short), Way("exactly", by_elimination, is_open)]
+    return [Way("in doubles", by_doubles, turns.is_cut_short), Way("exactly", by_elimination, turns.is_open)]
 
 
 def _seen_nearby(query: Query, exactly: Exactly, proved: FirstContact) -> FirstContact | Passed:
@@ -188,7 +197,7 @@ def intervals_in_turn(
         return decided(in_doubles(query, work(turns.boxes(own))), query)
 
     def by_elimination(own: Round, query: Query, proved: ContactIntervals | None) -> ContactIntervals | Passed:
-        far = own if _may_tell_more(proved) else ROUNDS[-1]
+        far = turns.reach(own, proved)
         ask = partial(turns.asked, partial(exactly, query, work(far.steps), far.reach))
         return _beside(proved, decided(_with_advice(query, ask, first), query))
 
@@ -198,6 +207,5 @@ def intervals_in_turn(
     for own in ROUNDS if query.is_auto else ROUNDS[-1:]:
         if not query.is_algebraic and own is not ROUNDS[0]:
             ways.append(Way("in doubles", partial(by_doubles, own), turns.is_cut_short))
-        if not query.is_certified:
-            ways.append(Way("exactly", partial(by_elimination, own), lambda *_: not turns.refused))
+        ways.append(Way("exactly", partial(by_elimination, own), turns.is_open))
     return answered(ways, query)

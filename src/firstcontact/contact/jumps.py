@@ -13,8 +13,8 @@ from typing import Any
 
 from flint import fmpq
 
-from firstcontact.contact.later import waiting
-from firstcontact.exact.numbers import above, below, fraction, to_double
+from firstcontact.contact.runs import seams
+from firstcontact.exact.numbers import fraction
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.motion.sequence import Sequence
@@ -28,14 +28,7 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
     if not times:
         still = _at_an_instant(query)
         return answer(query) if still is query else replace(answer(still), **query.shared)
-    stats = Stats()
-    for own in _stretches(query, times):
-        found = answer(replace(own, budget=query.budget_after(stats)))
-        stats = replace(stats + found.stats, seconds=query.stats().seconds)
-        if found.status is not Status.FREE:
-            later = own.first > query.first and found.status is Status.INITIAL_CONTACT
-            return at_jump(found, own.first, query, stats) if later else replace(found, stats=stats, **query.shared)
-    return FirstContact.free(stats, **query.shared)
+    return seams.first(answer, query, _stretches(query, times))
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
@@ -93,12 +86,3 @@ def _until(body: object, end: fmpq) -> object:
         return body
     steps = [step for step, start in zip(body.motion.steps, body.motion.starts, strict=True) if start < end]
     return Moving(body.body, Sequence(steps, [fraction(x) for x in body.motion.durations[: len(steps)]]))
-
-
-def at_jump(found: FirstContact, time: fmpq, query: Query, stats: Stats) -> FirstContact:
-    """A start in contact of a part of the span, as the contact that it is in all of it."""
-    around = below(time), above(time)
-    return waiting(
-        found, lambda: {"initial": None}, status=Status.CONTACT, time=to_double(time), time_interval=around,
-        time_exact=fraction(time) if query.exact else None, free_until=around[0], stats=stats, **query.shared,
-    )  # fmt: skip

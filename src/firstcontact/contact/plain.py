@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from flint import fmpq
 
 from firstcontact.body.kept import Kept
-from firstcontact.contact.later import waiting
+from firstcontact.contact.later import changed
 from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.exact.vectors import Vector, scaled
 from firstcontact.motion.moving import Moving, drift_of, shape_of
@@ -50,8 +50,9 @@ class Plain:
     motion: Translation | Rotation | Screw
 
 
-_PLACED = Kept[dict[Plain, Any]]()
-"""Shapes in the poses in which they set off."""
+_PLACED = Kept[dict[tuple[Matrix, str | None], Any]]()
+MOST_PLACED = 32
+"""Copies of a shape that are kept."""
 
 
 def asked(answer: Callable[[Query], R], query: Query) -> R:
@@ -68,12 +69,8 @@ def asked(answer: Callable[[Query], R], query: Query) -> R:
     if found.status is Status.UNDECIDED and not query.is_spent(found.reason):
         told = answer(replace(asked[1], budget=query.budget_after(found.stats)))
         stats = replace(found.stats + told.stats, seconds=query.stats().seconds)
-        found = found if told.status is Status.UNDECIDED else _with(told, stats=stats)
-    return _with(found, **query.shared)
-
-
-def _with(found: R, **changes: Any) -> R:
-    return replace(found, **changes) if isinstance(found, ContactIntervals) else waiting(found, dict, **changes)
+        found = found if told.status is Status.UNDECIDED else changed(told, stats=stats)
+    return changed(found, **query.shared)
 
 
 def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:
@@ -84,7 +81,7 @@ def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:
         return body  # at the end of the span too, which holds the pose after it
     end = () if last is None else (int(last.p), int(last.q))
     plain = _plain(body.motion, int(first.p), int(first.q), *end)
-    return body if plain is None else Moving(_placed(shape_of(body), plain), plain.motion)
+    return body if plain is None else Moving(placed(shape_of(body), plain.before), plain.motion)
 
 
 @lru_cache(maxsize=128)
@@ -126,16 +123,16 @@ def _turn(step: Step) -> Rotation | Screw | None:
     motion: Any = step.motion
     if step.end is None or step.before != HERE or step.origin != 0 or not isinstance(motion, Rotation | Screw):
         return None
-    angle = {motion.unit: motion.angle / step.unit}
-    if isinstance(motion, Screw):
-        return Screw(motion.axis, motion.point, **angle, advance=motion.advance / step.unit)
-    return Rotation(motion.axis, motion.point, **angle)
+    return motion.paced(1 / step.unit)
 
 
-def _placed(shape: Shape, plain: Plain) -> Any:
-    if plain.before == IDENTITY:
+def placed(shape: Shape, before: Matrix) -> Any:
+    """The shape in a pose; kept on it, by its name too, which copies have of their own."""
+    if before == IDENTITY:
         return shape
-    known = _PLACED.of(shape, dict)
-    if plain not in known:
-        known[plain] = HERE.then(plain.before).place(shape)
-    return known[plain]
+    known, key = _PLACED.of(shape, dict), (before, shape.name)
+    if key not in known:
+        if len(known) >= MOST_PLACED:
+            known.clear()
+        known[key] = HERE.then(before).place(shape)
+    return known[key]

@@ -18,10 +18,9 @@ from firstcontact.contact import at_once, centred, common_shift, jumps, one_moti
 from firstcontact.contact.runs import along, linked, one_joint, turns
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.motion.rotation import Rotation, turns_of
-from firstcontact.motion.screw import Screw
+from firstcontact.motion.product import Simple
+from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.span import refuse_late
-from firstcontact.motion.translation import Translation
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import Query
 
@@ -81,7 +80,6 @@ INSTEAD = {
 }
 """What to ask of pairs that a verb does not take."""
 MESHES = Kind.MESH, Kind.MESH
-ONE_STEP = Translation, Rotation, Screw
 _KINDS = {kind.value: kind for kind in Kind}
 _SORTED = {pair: (x, y) for x, y in combinations_with_replacement(Kind, 2) for pair in ((x, y), (y, x))}
 
@@ -158,13 +156,12 @@ def _is_of_one_step(query: Query) -> bool:
     """Whether one body at most moves, in one step: most questions, of whose motions nothing is taken apart or joined.
     """
     moving = [x.motion for x in query.bodies if isinstance(x, Moving)]
-    return not moving or (len(moving) == 1 and isinstance(moving[0], ONE_STEP))
+    return not moving or (len(moving) == 1 and isinstance(moving[0], Simple))
 
 
-def _comes_round(query: Query) -> bool:
-    """Whether a body makes so much of a turn that both together may make more than one."""
-    motions = (x.motion for x in query.bodies if isinstance(x, Moving))
-    return any(isinstance(x, Rotation) and 2 * turns_of(x) * (query.end - query.first) > 1 for x in motions)
+def _turns(query: Query) -> bool:
+    """Whether a body turns about a line all the time, and may come round."""
+    return any(isinstance(x, Moving) and isinstance(x.motion, Rotation) for x in query.bodies)
 
 
 def _first(query: Query) -> FirstContact:
@@ -198,7 +195,7 @@ def _answer(verb: str, query: Query) -> Any:
     near: Callable[[Query], Any] = partial(getattr(centred, verb), _asked(_curved(kinds, query), verb))
     if not _is_of_one_step(query):
         near = partial(getattr(jumps, verb), partial(common_shift.asked, near))
-    if query.last is not None and not _comes_round(query):
+    if query.last is not None and not _turns(query):
         return _said(near(query), query)
     from firstcontact.contact import endless
 

@@ -32,9 +32,7 @@ from firstcontact.contact.models.shared.touched import (
     with_neighbours,
 )
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.motion.rotation import Rotation
-from firstcontact.motion.screw import Screw
-from firstcontact.motion.translation import Translation
+from firstcontact.motion.product import Simple
 from firstcontact.result import MOST_OTHERS, ContactSet, Element, ElementPair, FirstContact, Status
 from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.search.events.events import MOST_BOXES, first_event
@@ -126,7 +124,7 @@ def _part_around_origin(body: CompositeQuadric, size: int) -> CompositeQuadric:
 
 def _turned_back(motion: AnyMotion) -> AnyMotion | None:
     """The motion of the world as the body sees it; None where no motion is that."""
-    return motion.paced(fmpq(-1)) if isinstance(motion, Translation | Rotation | Screw) else None
+    return motion.paced(fmpq(-1)) if isinstance(motion, Simple) else None
 
 
 Cells = tuple[tuple[int, int, int], ...]

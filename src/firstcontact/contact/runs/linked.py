@@ -10,12 +10,12 @@ from dataclasses import replace
 
 from firstcontact.body.compound.compound import about_models
 from firstcontact.contact.carried import carried
-from firstcontact.contact.later import LATER
+from firstcontact.contact.later import waiting
 from firstcontact.contact.runs import seams
 from firstcontact.contact.runs.near import during, runs
 from firstcontact.motion.linkage import Linkage, apart
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, JointValue, Stats, Status
+from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, JointValue, Status
 from firstcontact.work import Query
 
 
@@ -24,13 +24,8 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
     if not _linkages(query):
         return answer(query)
     own, shared = _without_shared(query)
-    stats = Stats()
-    for run in runs(own):
-        found = answer(replace(during(own, run), budget=query.budget_after(stats)))
-        stats = stats + found.stats
-        if found.status is not Status.FREE:
-            return _told(found, query, shared, _timed(stats, query))
-    return seams.free(query, _timed(stats, query))
+    found = seams.first(answer, own, (during(own, run) for run in runs(own)))
+    return replace(found, **query.shared) if found.status is Status.FREE else _told(found, query, shared)
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
@@ -61,24 +56,11 @@ def _without_shared(query: Query) -> tuple[Query, Linkage | None]:
     return replace(query, a=bodies[0], b=bodies[1]), parted[2]
 
 
-def _timed(stats: Stats, query: Query) -> Stats:
-    return replace(stats, seconds=query.stats().seconds)
-
-
-LAST = "within_deviation"
-"""Asked for last: it costs another question."""
-_TOLD = "status", "time", "time_interval", "time_exact", "free_until", "reason", "keeps_bodies"
-
-
-def _told(found: FirstContact, query: Query, shared: Linkage | None, stats: Stats) -> FirstContact:
-    """The answer as to the query itself, with the joints' values; of places it is as slow to tell as the answer."""
-    def places() -> dict[str, object]:
-        there = found if shared is None else carried(found, shared, query.a, query.b)
-        return {key: getattr(there, key) for key in LATER} | {"_rest": lambda: {LAST: getattr(found, LAST)}}
-
+def _told(found: FirstContact, query: Query, shared: Linkage | None) -> FirstContact:
+    """The answer as to the query itself, with the joints' values."""
+    there = found if shared is None else carried(found, shared, query.a, query.b)
     joints: dict[str, JointValue] = {}
     if (time := found.time) is not None:
         interval = found.time_interval or (time, time)
         joints = {x.name: x for motion in _linkages(query) for x in motion.joint_values(time, interval)}
-    known = {key: getattr(found, key) for key in _TOLD} | {"joints": tuple(joints.values()), "stats": stats}
-    return FirstContact.deferring({**known, **query.shared, **about_models(*query.bodies)}, places, LAST)
+    return waiting(there, dict, joints=tuple(joints.values()), **query.shared, **about_models(*query.bodies))

@@ -7,24 +7,24 @@ points cut the span; around irrational ones short pieces are left, of which the 
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from flint import fmpq, fmpq_poly
 
-from firstcontact.body.kept import Kept
-from firstcontact.contact.later import waiting
+from firstcontact.contact.later import changed, waiting
+from firstcontact.contact.plain import placed
 from firstcontact.contact.runs import seams
-from firstcontact.contact.ways import Passed, tried
+from firstcontact.contact.ways import Passed, R, tried
 from firstcontact.exact.numbers import above, below, exact_value, fraction
-from firstcontact.exact.rigid import Matrix, rational_sqrt
+from firstcontact.exact.rigid import rational_sqrt
 from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.placement import HERE, Placement
-from firstcontact.motion.product import JointFactor, Simple, Value, at
+from firstcontact.motion.poses import sqrt_near
+from firstcontact.motion.product import JointFactor, Value, at, way
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Status
 from firstcontact.timeline.answers import likely_time
 from firstcontact.work import Progress, Query
@@ -36,7 +36,17 @@ SHORT = fmpq(1, 2**16)
 CLOSER = 0.25
 """Of the tolerance, on the clock of the value: its pace changes."""
 Interval = tuple[float, float]
-_PLACED = Kept[tuple[Matrix, Any]]()
+
+
+class SoleJoint(NamedTuple):
+    """What moves in a stretch of time: its value is a polynomial of the query's time.
+
+    of: which of the bodies it moves.  places: where both stand before it does.
+    """
+
+    factor: JointFactor
+    of: int
+    places: tuple[Placement, Placement]
 
 
 class ValueCourse(NamedTuple):
@@ -77,74 +87,83 @@ class ValueCourse(NamedTuple):
         return hi - lo <= max(self.part.tolerance * length, 8 * (above(exact_value(hi)) - below(exact_value(hi))))
 
 
+Answer = Callable[[Query], R]
+OnClock = Callable[[Answer[R], R, ValueCourse], R | None]
+"""What the answer on the clock of the value tells of the part; None where it does not tell it as closely as asked."""
+
+
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
     """What `answer` tells of the query."""
-    times = _cuts(query)
-    if times is None:
-        return answer(query)
-    return seams.first(lambda part: _first(answer, part), query, (query.part(*x) for x in pairwise(times)))
+    return _in_parts(seams.first, _first_on_clock, answer, query)
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
     """What `answer` tells of the query."""
-    times = _cuts(query)
-    if times is None:
+    return _in_parts(seams.intervals, _intervals_on_clock, answer, query)
+
+
+def _in_parts(
+    whole: Callable[[Answer[R], Query, Iterable[Query]], R], on_clock: OnClock[R], answer: Answer[R], query: Query
+) -> R:
+    joints: dict[fmpq, SoleJoint | None] = _joints(query)
+    if not any(joints.values()):
         return answer(query)
-    return seams.intervals(lambda part: _intervals(answer, part), query, (query.part(*x) for x in pairwise(times)))
+
+    def told(part: Query) -> R:
+        joint = joints[part.first]
+        return answer(part) if joint is None else _of_part(answer, on_clock, part, joint)
+
+    return whole(told, query, (query.part(*times) for times in pairwise([*joints, query.end])))
 
 
-def _first(answer: Callable[[Query], FirstContact], part: Query) -> FirstContact:
-    """Of a part between two cuts."""
-    course = _course(part)
-    if course is None:
-        return answer(part)
+def _of_part(answer: Answer[R], on_clock: OnClock[R], part: Query, joint: SoleJoint) -> R:
+    """Of a part in which the joint moves: on the clock of its value, where that tells it."""
+    course = _course(part, joint)
     found = answer(course.own)
     if found.status is Status.FREE:
-        return replace(found, **part.shared)
-    if found.status is Status.INITIAL_CONTACT and not course.turns:
-        start = part.span[0]
-        return waiting(found, dict, time=start, time_interval=(start, start), free_until=start, **part.shared)
-    if found.status is Status.CONTACT and not course.turns:
-        assert found.time_interval is not None
-        times = course.moments(_at_end(answer, found, course) or found.time_interval)
-        if course.is_close(times):
-            near = likely_time(times)
-            return waiting(found, dict, time=near, time_interval=times, free_until=times[0], **part.shared)
-    told = answer(replace(part, budget=part.budget_after(found.stats)))
-    return waiting(told, dict, stats=found.stats + told.stats)
-
-
-def _at_end(answer: Callable[[Query], FirstContact], found: FirstContact, course: ValueCourse) -> Interval | None:
-    """What encloses the value at the end of the part, where the bodies are proved to touch then and not before: the
-    joint may come to rest there, so that a rounding of its value takes long."""
-    assert found.time_interval is not None
-    if course.own.span[1] not in found.time_interval:
-        return None
-    exactly = tried(lambda: answer(replace(course.own, exact=True, progress=None)))
-    if isinstance(exactly, Passed) or exactly.time_exact != fraction(course.own.end):
-        return None
-    return (above(course.own.end),) * 2
-
-
-def _intervals(answer: Callable[[Query], ContactIntervals], part: Query) -> ContactIntervals:
-    """Of a part between two cuts."""
-    course = _course(part)
-    if course is None:
-        return answer(part)
-    found = answer(course.own)
-    if found.status is Status.FREE:
-        return replace(found, **part.shared)
-    told = None if found.status is Status.UNDECIDED else _on_clock(answer, found, course)
+        return changed(found, **part.shared)
+    told = None if found.status is Status.UNDECIDED else on_clock(answer, found, course)
     if told is None:
         told = answer(replace(part, budget=part.budget_after(found.stats)))
-        return replace(told, stats=found.stats + told.stats)
+        told = changed(told, stats=found.stats + told.stats)
     return told
 
 
-def _on_clock(
+def _first_on_clock(
+    answer: Callable[[Query], FirstContact], found: FirstContact, course: ValueCourse
+) -> FirstContact | None:
+    part = course.part
+    if course.turns:
+        return None
+    if found.status is Status.INITIAL_CONTACT:
+        start = part.span[0]
+        return waiting(found, dict, time=start, time_interval=(start, start), free_until=start, **part.shared)
+    found, values = _at_end(answer, found, course)
+    times = course.moments(values)
+    if not course.is_close(times):
+        return None
+    return waiting(found, dict, time=likely_time(times), time_interval=times, free_until=times[0], **part.shared)
+
+
+def _at_end(
+    answer: Callable[[Query], FirstContact], found: FirstContact, course: ValueCourse
+) -> tuple[FirstContact, Interval]:
+    """A contact, and what encloses its value.  Of the end of the part an exact answer tells whether they touch then and
+    not before: the joint may come to rest there, so that a rounding of its value takes long."""
+    own, values = course.own, found.time_interval
+    assert values is not None
+    if own.span[1] not in values:
+        return found, values
+    exactly = tried(lambda: answer(replace(own, exact=True, progress=None, budget=own.budget_after(found.stats))))
+    if isinstance(exactly, Passed):
+        return found, values
+    at_end = exactly.time_exact == fraction(own.end)
+    return changed(found, stats=found.stats + exactly.stats), (above(own.end),) * 2 if at_end else values
+
+
+def _intervals_on_clock(
     answer: Callable[[Query], ContactIntervals], found: ContactIntervals, course: ValueCourse
 ) -> ContactIntervals | None:
-    """The same at their times; None where these are not told as closely as they are to be."""
     part, own = course.part, course.own
     begin, end = ((below(t), above(t)) for t in (part.first, part.end))
     if course.turns:
@@ -167,35 +186,21 @@ def _on_clock(
 # -- how the joint moves ------------------------------------------------------------------------------------
 
 
-class SoleJoint(NamedTuple):
-    """What moves in a stretch of time: `motion` by one unit of the value, which is a polynomial of the query's time.
-
-    of: which of the bodies it moves.  places: where both stand before it does.
-    """
-
-    motion: Simple
-    value: Value
-    of: int
-    places: tuple[Placement, Placement]
-
-
-def _cuts(query: Query) -> list[fmpq] | None:
-    """The times between which one joint alone moves, without a turning point, or the question stays as it is; None
-    where it does so all the time."""
+def _joints(query: Query) -> dict[fmpq, SoleJoint | None]:
+    """By times from which on it does so, to the next of them: the joint that alone moves, at a pace that changes,
+    without a turning point; None where the question stays as it is."""
     motions = [x.motion for x in query.bodies if isinstance(x, Moving)]
     links = [x for x in motions if isinstance(x, Linkage)]
     deforms = any(getattr(shape_of(x), "deforming", False) for x in query.bodies)  # by the time, not by the value
     if query.is_algebraic or not links or len(links) < len(motions) or deforms:
-        return None
+        return {}
     knots = sorted({t for x in links for t in x.times if query.first < t < query.end})
-    times, found = [query.first], False
+    found: dict[fmpq, SoleJoint | None] = {}
     for start, end in pairwise([query.first, *knots, query.end]):
         joint = _joint(query, start, end)
-        if joint is not None:
-            found = True
-            times += _turning_points(joint.value, start, end)
-        times.append(end)
-    return times if found else None
+        turning = [] if joint is None else _turning_points(joint.factor.value, start, end)
+        found |= dict.fromkeys([start, *turning], joint)
+    return found
 
 
 def _joint(query: Query, start: fmpq, end: fmpq) -> SoleJoint | None:
@@ -212,28 +217,32 @@ def _joint(query: Query, start: fmpq, end: fmpq) -> SoleJoint | None:
     if not all(place.is_exact for place in places):
         return None
     value = factor.within(-begin / (until - begin), 1 / (until - begin))
-    return SoleJoint(factor.motion, value, of, (places[0], places[1])) if len(value) > 2 else None
+    return SoleJoint(factor._replace(value=value), of, (places[0], places[1])) if len(value) > 2 else None
 
 
-def _course(part: Query) -> ValueCourse | None:
+def _course(part: Query, joint: SoleJoint) -> ValueCourse:
     """The question about a part on the clock of the value."""
-    joint = _joint(part, part.first, part.end)
-    if joint is None:
-        return None
-    value, motion = joint.value, joint.motion
+    motion, value = joint.factor
     first, end = at(value, part.first), at(value, part.end)
     turns = _turns(value, part.first, part.end)
     if turns:
-        first, end = _range(value, part)
+        local = joint.factor.within(part.first, part.end - part.first)
+        first, end = local[0] - 2 * way(local), local[0] + 2 * way(local)  # on either side, and not close to any value
     elif end < first:
         value, motion, first, end = tuple(-c for c in value), motion.paced(fmpq(-1)), -first, -end
-    bodies = [_placed(shape_of(x), place) for x, place in zip(part.bodies, joint.places, strict=True)]
+    bodies = [placed(shape_of(x), place.matrix()) for x, place in zip(part.bodies, joint.places, strict=True)]
     bodies[joint.of] = Moving(bodies[joint.of], motion)
     own = replace(
         part, a=bodies[0], b=bodies[1], first=first, last=end, tolerance=CLOSER * part.tolerance,
         progress=_at_its_start(part), enough=None,
     )  # fmt: skip
     return ValueCourse(part, own, value, turns)
+
+
+def _at_its_start(part: Query) -> Progress | None:
+    """Progress told as that of the part's start: what is proved within it is on another clock."""
+    told = part.progress
+    return None if told is None else lambda _, done: told(below(part.first), done)
 
 
 def _turns(value: Value, first: fmpq, last: fmpq) -> bool:
@@ -250,44 +259,13 @@ def _turning_points(value: Value, first: fmpq, last: fmpq) -> list[fmpq]:
         return []
     slope = fmpq_poly(list(value)).derivative()
     if not slope[2]:
-        roots = [-slope[0] / slope[1]]
-    else:
-        middle = -slope[1] / (2 * slope[2])
-        square = middle * middle - slope[0] / slope[2]
-        half, room = rational_sqrt(square), SHORT * (last - first)
-        if half is None:
-            near = _sqrt_below(square, room / 4)
-            roots = [x + side * room for x in (middle - near, middle + near) for side in (-1, 1)]
-        else:
-            roots = [middle - half, middle + half]
+        return [-slope[0] / slope[1]]
+    middle = -slope[1] / (2 * slope[2])
+    square, room = middle * middle - slope[0] / slope[2], SHORT * (last - first)
+    half, beside = rational_sqrt(square), [fmpq(0)]
+    if half is None:
+        parts = square / room**2
+        bits = max(int(parts.p).bit_length() - int(parts.q).bit_length(), 0) + 4  # within room / 4
+        half, beside = sqrt_near(square, bits), [-room, room]
+    roots = [middle + side * half + x for side in (-1, 1) for x in beside]
     return [x for x in roots if first < x < last]
-
-
-def _sqrt_below(square: fmpq, error: fmpq) -> fmpq:
-    """A number less than `error` below the root of a positive one."""
-    bits = max(int(error.q).bit_length() - int(error.p).bit_length() + 1, 0)
-    return fmpq(math.isqrt(int((square * 4**bits).floor())), 2**bits)
-
-
-def _range(value: Value, part: Query) -> tuple[fmpq, fmpq]:
-    """Two numbers on either side of all values, and not close to any."""
-    local = fmpq_poly(list(value))(fmpq_poly([part.first, part.end - part.first])).coeffs()
-    swing = 2 * sum((abs(c) for c in local[1:]), fmpq(0))
-    return local[0] - swing, local[0] + swing
-
-
-def _at_its_start(part: Query) -> Progress | None:
-    """Progress told as that of the part's start: what is proved within it is on another clock."""
-    told = part.progress
-    return None if told is None else lambda _, done: told(below(part.first), done)
-
-
-def _placed(shape: Any, place: Placement) -> Any:
-    """The shape as it stands, kept on it for the next question."""
-    if place == HERE:
-        return shape
-    matrix = place.matrix()
-    known = _PLACED.get(shape)
-    if known is None or known[0] != matrix:
-        known = _PLACED.put(shape, (matrix, place.place(shape)))
-    return known[1]

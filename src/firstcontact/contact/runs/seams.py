@@ -8,9 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
+from flint import fmpq
+
 from firstcontact.body.compound.compound import about_models
-from firstcontact.contact.jumps import at_jump
 from firstcontact.contact.later import waiting
+from firstcontact.exact.numbers import above, below, fraction, to_double
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
 from firstcontact.work import Query
 
@@ -22,10 +24,19 @@ def first(answer: Callable[[Query], FirstContact], query: Query, parts: Iterable
         found = answer(replace(own, budget=query.budget_after(stats)))
         stats = replace(stats + found.stats, seconds=query.stats().seconds)
         if found.status is Status.INITIAL_CONTACT and own.first > query.first:
-            return at_jump(found, own.first, query, stats)  # a screw ends 2^-60 beside the next pose
+            return _at_seam(found, own.first, query, stats)  # a screw ends 2^-60 beside the next pose
         if found.status is not Status.FREE:
             return waiting(found, dict, stats=stats, **query.shared)
     return free(query, stats)
+
+
+def _at_seam(found: FirstContact, time: fmpq, query: Query, stats: Stats) -> FirstContact:
+    """A start in contact of a part of the span, as the contact that it is in all of it."""
+    around = below(time), above(time)
+    return waiting(
+        found, lambda: {"initial": None}, status=Status.CONTACT, time=to_double(time), time_interval=around,
+        time_exact=fraction(time) if query.exact else None, free_until=around[0], stats=stats, **query.shared,
+    )  # fmt: skip
 
 
 def intervals(

@@ -69,10 +69,15 @@ def _boxes_of_link(motion: Linkage, first: float, last: float, groups: np.ndarra
     own = motion.during(fmpq(*first.as_integer_ratio()), fmpq(*last.as_integer_ratio()))
     ends = np.stack([groups.min(axis=1), groups.max(axis=1)], axis=1)
     corners = np.stack([ends[:, which, range(3)] for which in itertools.product((0, 1), repeat=3)], axis=1)
-    middles, far = places(own, corners.reshape(-1, 3))
-    pad = far[..., None]
-    lo, hi = ((middles + side * pad).reshape(len(middles), *corners.shape) for side in (-1, 1))
-    return _grown(lo.min(axis=(0, 2)), hi.max(axis=(0, 2)), error * _stretch(np.eye(3)), groups)
+    lo, hi = np.empty((len(groups), 3)), np.empty((len(groups), 3))
+    count = max(1, AT_ONCE // (8 * len(own.times)))
+    for k in range(0, len(groups), count):
+        some = slice(k, k + count)
+        middles, far = places(own, corners[some].reshape(-1, 3))
+        pad = far[..., None]
+        low, high = ((middles + side * pad).reshape(len(middles), -1, 8, 3) for side in (-1, 1))
+        lo[some], hi[some] = low.min(axis=(0, 2)), high.max(axis=(0, 2))
+    return _grown(lo, hi, error * _stretch(np.eye(3)), groups)
 
 
 def _steps(motion: AnyMotion, first: float, last: float) -> Iterator[tuple[Single, float, float, np.ndarray]]:
