@@ -4,11 +4,13 @@ import time as clock
 
 import numpy as np
 import pytest
+import trimesh
 from flint import fmpq
 
 import firstcontact as fc
 from amount import THOROUGH
 from firstcontact.contact.in_turn import ROUNDS, first_in_turn, intervals_in_turn
+from firstcontact.contact.ruled import first
 from firstcontact.contact.signs.sheets import TooLarge
 from firstcontact.work import Query
 
@@ -197,3 +199,16 @@ def test_elimination_takes_the_bodies_in_the_order_in_which_equations_are_smalle
     assert hit.point == pytest.approx(back.point) and (back.a, back.b) == bodies[::-1]
     intervals, other = (fc.contact_intervals(*some, method="algebraic") for some in (bodies, bodies[::-1]))
     assert [(x.start, x.end) for x in intervals] == [(x.start, x.end) for x in other] and other.a is bodies[1]
+
+
+def test_equations_of_many_triangles_are_work(monkeypatch):
+    """A budget ends before those of all triangles are set up; they are most of what such a question takes."""
+    made = []
+    whole = first.conditions
+    monkeypatch.setattr(first, "conditions", lambda *of: made.append(of) or whole(*of))
+    ball = fc.Polyhedron.from_trimesh(trimesh.creation.icosphere(1)).translated((0, 0, 3))
+    ball = ball.moving(fc.Translation((0, 0, -9)))
+    found = fc.first_contact(ball, PLATE, method="algebraic", budget=100)
+    assert (found.status, found.reason) == (fc.Status.UNDECIDED, "budget") and 0 < len(made) <= 100 // first.SETUP + 1
+    made.clear()
+    assert fc.first_contact(ball, PLATE, method="algebraic").status is fc.Status.CONTACT and len(made) > 30

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 import firstcontact as fc
-from firstcontact.contact.plain import plainly
+from firstcontact.contact.plain import _PLACED, MOST_PLACED, plainly
 from firstcontact.exact.numbers import rational
 
 ONE = np.eye(4, dtype=int).tolist()
@@ -122,3 +122,12 @@ def test_copies_by_other_names_are_told_by_their_own():
         ball = fc.sphere(1).named("ball")
         hit = fc.first_contact(ball.named(name).moving(there), fc.examples.box((4, 4, 1)).named("floor"))
         assert hit.element_a.body == name
+
+
+def test_few_copies_of_a_shape_are_kept():
+    """A path of many straight parts puts a shape into as many poses."""
+    box, floor = fc.examples.box((1, 1, 1)), fc.examples.box((4, 4, 1))
+    for height in range(4, 4 + 2 * MOST_PLACED):
+        there = fc.Trajectory([0, 1], [shifted((0, 0, height)), shifted((0, 0, 1))])
+        assert fc.first_contact(box.moving(there), floor).time == 1.0
+        assert 0 < len(_PLACED.of(box, dict)) <= MOST_PLACED

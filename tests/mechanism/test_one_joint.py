@@ -1,13 +1,18 @@
 """One joint that moves at a changing pace: judged by the distance of a box and a ball, and by its value's own clock."""
 
 import math
+from dataclasses import replace
 from fractions import Fraction as F
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
+from firstcontact.contact.runs import one_joint
+from firstcontact.result import Stats
+from firstcontact.work import Query
 
 HALF = np.array([1.0, 0.25, 0.5])
 MIDDLE = np.array([1.25, 0, 0])
@@ -156,3 +161,73 @@ def test_what_is_told_of_a_place_is_told_in_the_world():
     assert value.name == "hinge" and value.interval[0] <= value.value <= value.interval[1]
     assert gap(np.array([value.value]), at, 0.25) == pytest.approx(0.0, abs=1e-9)
     assert hit.stats.ways and hit.free_until == hit.time_interval[0]
+
+
+def test_a_slide_that_comes_to_rest_at_a_third():
+    """No double is its last value, and near it the value hardly changes: the ends are told as that of the span."""
+    slide = fc.Joint("slide", "prismatic", "wall", "block", axis=(1, 0, 0))
+    block = fc.examples.box((1, 1, 1)).translated((F(-5, 6), 0, 0)).named("block")  # its side is at -1/3
+    for wall, met in (((F(1, 2), 0, 0), (1.0, 1.0)), ((F(1, 2) - F(1, 27), 0, 0), (2 / 3, 1.0))):
+        still = fc.examples.box((1, 2, 2)).translated(wall).named("wall")
+        course = fc.Mechanism({"wall": still, "block": block}, [slide]).course(
+            [0, 1], {"slide": [0, F(1, 3)]}, interpolation="cubic", velocities={"slide": [0, 0]})  # fmt: skip
+        moved = course.bodies["block"][0]
+        hit, (only,) = fc.first_contact(moved, still), fc.contact_intervals(moved, still)
+        if met[0] == 1.0:
+            assert hit.time_interval == only.start_interval == (1.0, 1.0)
+        else:  # (3 s^2 - 2 s^3) / 3 = 8/27 - 1/27 at s = 2/3, so that the wall is 1/27 before the end
+            assert hit.time == pytest.approx(_time_of_slide(F(1, 3) - F(1, 27)), abs=1e-11)
+        assert only.end_interval == (1.0, 1.0)
+
+
+def _time_of_slide(value):
+    """The time in [0, 1] at which (3 s^2 - 2 s^3) / 3 has it."""
+    return min(np.roots([-2 / 3, 1, 0, -float(value)]), key=lambda s: abs(s.real - 0.5) + abs(s.imag)).real
+
+
+def test_a_touch_within_what_is_cut_out_around_an_irrational_turning_point():
+    """The leaf turns back 1e-12 of a turn beyond the touch: times of contact are a few millionths long."""
+    speeds = np.array([2.0, -1.0])
+    leaf = leaf_of([0, 1], [0, F(1, 4)], velocities={"hinge": speeds.tolist()})
+    at = hermite(np.array([0.0, 1.0]), np.array([0.0, 0.25]), speeds)
+    # the value is t^3/2 - 9/4 t^2 + 2 t: its slope is 0 at 3/2 - sqrt(11/12), and bends by this
+    turn = 1.5 - math.sqrt(11 / 12)
+    bend = 4.5 - 3 * turn
+    angle = 2 * math.pi * (float(at(np.array([turn]))[0]) - 1e-12)
+    c, s = math.cos(angle), math.sin(angle)
+    ball = fc.sphere(F(1, 4)).translated([1.5 * c - 0.5 * s, 1.5 * s + 0.5 * c, 0.0])
+    half = math.sqrt(2e-12 / bend)
+    (only,) = fc.contact_intervals(leaf, ball)
+    assert (only.start - turn, only.end - turn) == (pytest.approx(-half, abs=1e-9), pytest.approx(half, abs=1e-9))
+
+
+def test_an_enclosure_is_as_close_as_asked_where_the_value_hardly_changes():
+    """1e-14 before a slide comes to rest: times are a million times as wide as values."""
+    slide = fc.Joint("slide", "prismatic", "wall", "ball", axis=(1, 0, 0))
+    still, ball = fc.examples.box((1, 2, 2)).named("wall"), fc.sphere(1).translated((F(-11, 6) + F(1, 10**14), 0, 0))
+    course = fc.Mechanism({"wall": still, "ball": ball.named("ball")}, [slide]).course(
+        [0, 1], {"slide": [0, F(1, 3)]}, interpolation="cubic", velocities={"slide": [0, 0]})  # fmt: skip
+    hit = fc.first_contact(course.bodies["ball"][0], still)
+    lo, hi = hit.time_interval
+    assert lo <= hi <= lo + 1e-11
+    assert 1 - hi**2 * (3 - 2 * hi) <= 3e-14 <= 1 - lo**2 * (3 - 2 * lo) + 2e-16
+
+
+def test_questions_on_the_clock_of_the_value_count_and_tell_progress_on_that_of_time():
+    still, leaf = fc.sphere(1).translated((0, 0, 9)), leaf_of([10, 12], [0, F(1, 4)], velocities={"hinge": [0, 0]})
+    told, budgets = [], []
+
+    def answer(own):
+        budgets.append(own.budget)
+        end = own.span[1]
+        if not own.exact:
+            own.progress(own.span[0], 0.5)
+        around = (end, end) if own.exact else (end - 1e-9, end)
+        return fc.FirstContact(
+            fc.Status.CONTACT, end, around, F(1, 4) if own.exact else None, free_until=around[0],
+            stats=Stats(node_visits=5), **own.shared)  # fmt: skip
+
+    query = replace(Query(leaf, still, fmpq(10), fmpq(12)), budget=100, progress=lambda t, done: told.append((t, done)))
+    hit = one_joint.first(answer, query)
+    assert (hit.status, hit.time_interval, hit.stats.node_visits) == (fc.Status.CONTACT, (12.0, 12.0), 10)
+    assert budgets == [100, 95] and told == [(10.0, 0.5)]

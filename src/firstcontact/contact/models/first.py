@@ -339,8 +339,8 @@ def _at_little_cost(query: Query, models: tuple[Model, Model]) -> Advance:
     """How far the advancement of convex pieces, of those that cover the models where they are no unions of such, proves
     that there is no contact."""
     near = both_bounded(models, query.span)
-    seen = advance(*near, query.first, query.end)
-    return advance(*near, query.first, query.end, covering=True) if seen.beyond else seen
+    seen = advance(*near, query.first, query.end, close_up=False)
+    return advance(*near, query.first, query.end, covering=True, close_up=False) if seen.beyond else seen
 
 
 def _touching_at_start(query: Query) -> np.ndarray | None:

@@ -132,12 +132,13 @@ class Advance:
 
 def advance(
     a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 10_000, covering: bool = False,
-    enough: fmpq | None = None,
+    enough: fmpq | None = None, close_up: bool = True,
 ) -> Advance:  # fmt: skip
     """The first common point of two bodies (CompositeQuadric, or Moving ones) over the closed [first, last].
 
     first, last: finite fmpq or numbers; tolerance: width of `time_interval` over the span; budget: strides at most.
-    covering: of pieces that cover the bodies.  enough: as `work.Query` has it.
+    covering: of pieces that cover the bodies.  enough: as `work.Query` has it.  close_up: whether what strides leave open
+    is looked at in balls.
     """
     begin, end = _exact(first), _exact(last)
     try:
@@ -145,7 +146,8 @@ def advance(
         pieces_a, pieces_b = pieces_of(shape_of(a)), pieces_of(shape_of(b))
         stretches = windows_in_turn(a, b, begin, end)
         search = PieceSearch(pieces_a, pieces_b, stretches, tolerance, budget, (stretches.first, stretches.last))
-        search.motions = lambda: curved_pieces(a, b, begin, end)
+        if close_up:
+            search.motions = lambda: curved_pieces(a, b, begin, end)
         search.enough = math.inf if enough is None else above(enough)
         return search.run()
     except (NotConvex, Untold) as reason:
