@@ -43,3 +43,19 @@ def test_no_time_is_free(pair, motion, swap):
         hit = fc.first_contact(*bodies, budget=budget)
         assert hit.status is Status.INITIAL_CONTACT or (hit.status is Status.UNDECIDED and hit.free_until == 0.0)
     assert fc.first_contact(*bodies, method="certified").status in (Status.INITIAL_CONTACT, Status.UNDECIDED)
+
+
+def test_how_a_start_overlaps_is_worked_out_when_it_is_read():
+    """Doubles prove it in a step; all that touches is asked of 300 pairs of features, beyond a budget of 1."""
+    cross = (fc.box(("7/4", 1, "3/4")) | fc.cylinder("1/2", "9/4")).translated(("1/2", 0, "1/4"))
+    block = fc.examples.box((1, 1, 1.5))
+    turning = cross.moving(fc.Rotation((1, 0, -1), (1, F(1, 2), F(1, 2)), radians=1))
+    for budget in (1, None):
+        hit = fc.first_contact(turning, block, budget=budget)
+        assert hit.status is Status.INITIAL_CONTACT
+        assert hit.stats.node_visits + hit.stats.pair_tests <= 3
+        assert hit.initial == "overlapping"
+    assert hit.time_interval == (0.0, 0.0) and hit.element_a is not None
+    told = fc.first_contact(cross, block)  # at rest, exactly
+    assert (told.initial, told.multiplicity) == ("overlapping", hit.multiplicity)
+    assert str(told.element_a) == str(hit.element_a)

@@ -6,13 +6,14 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import trimesh
 from flint import fmpq
 
 import firstcontact as fc
 from firstcontact.body.solid import primitives
 from firstcontact.contact.mesh_model.mesh_intervals import intervals
 from firstcontact.contact.mesh_model.mesh_starts import Standing
-from firstcontact.search.convex.mesh_advance import MeshSearch, Swept
+from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept
 from firstcontact.search.convex.resting import Place
 from firstcontact.work import Query
 
@@ -193,9 +194,26 @@ def test_what_is_not_told_of_a_triangle_is_not_taken_for_apart(monkeypatch):
     assert fc.contact_intervals(ball, clip(), exact=True).status is fc.Status.FREE
     monkeypatch.setattr(Standing, "primitive", lambda self, k: Place(None))
     assert fc.contact_intervals(ball, clip(), exact=True).status is fc.Status.FREE  # doubles tell of all at once
+    left = [Open(k, 0, 0.0) for k in range(len(clip().triangles))]
     monkeypatch.setattr(MeshSearch, "at_start", lambda self, window: Swept("open", window.first))
+    monkeypatch.setattr(MeshSearch, "near", lambda self, window: Swept("open", window.first, open=left))
     with pytest.raises(fc.UnsupportedPair, match="not proved whether they touch"):
         fc.contact_intervals(ball, clip(), exact=True)
+
+
+def test_a_cylinder_in_two_halves_along_a_wall_of_many_triangles():
+    """It touches the wall along a line until that passes the wall's end at 1/2; planes and curves of 300 triangles
+    were looked at one by one, for a minute."""
+    halves = [fc.cylinder(Fraction(3, 2), 2).translated((0, 0, z)) for z in (-1, 1)]
+    rod = (halves[0] | halves[1]).translated((Fraction(-1, 2), Fraction(-7, 2), Fraction(-1, 2)))
+    plain = fc.cylinder(Fraction(3, 2), 4).translated((Fraction(-1, 2), Fraction(-7, 2), Fraction(-1, 2)))
+    wall = fc.Polyhedron.from_trimesh(trimesh.creation.box((2, 4, 3)).subdivide().subdivide())
+    assert len(wall.triangles) == 192
+    away = fc.Translation((-1, 0, 0))
+    for body in (rod, plain):
+        found = fc.contact_intervals(body.moving(away), wall)
+        assert [(x.start, x.end) for x in found] == [(0.0, 0.5)]
+        assert [asked.way for asked in found.stats.ways] == ["soon exactly"]
 
 
 @pytest.mark.thorough

@@ -14,8 +14,8 @@ from typing import NamedTuple, TypeVar
 
 from flint import fmpq
 
+from firstcontact.contact.later import told_later
 from firstcontact.contact.signs.sheets import FARTHER, FARTHEST, QUICK, Reach, TooLarge
-from firstcontact.contact.signs.starts import told_later
 from firstcontact.contact.ways import Passed, R, Way, answered, decided, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value

@@ -31,6 +31,16 @@ def waiting(found: FirstContact, places: Callable[[], dict[str, object]], **chan
     return FirstContact.deferring({**known, **changes}, rest, LAST)
 
 
+def told_later(found: FirstContact, ask: Callable[[], FirstContact | None]) -> FirstContact:
+    """A contact: what touches, and how where that is not known, is what `ask` tells when it is read; as found where it
+    has None."""
+    def places() -> dict[str, object]:
+        told = ask()
+        return {} if told is None else {name: getattr(told, name) for name in LATER}
+
+    return waiting(found, places, **({} if found.initial is None else {"initial": found.initial}))
+
+
 def changed(found: R, **changes: Any) -> R:
     """The answer with these changes; what it tells of the place of contact goes on waiting."""
     return replace(found, **changes) if isinstance(found, ContactIntervals) else waiting(found, dict, **changes)

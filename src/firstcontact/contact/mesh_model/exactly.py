@@ -39,6 +39,8 @@ from firstcontact.work import Query, Spent, Work
 
 MOST = 64
 """Triangles, bare edges and points that come near the model."""
+LOOK = 200
+"""Candidates that take as long as a look at a triangle that doubles do not tell from the model."""
 
 
 def intervals(query: Query) -> ContactIntervals:
@@ -72,19 +74,12 @@ class _MeshSearch(CandidateSearch):
         if passed is not None and self.are_no_contacts(passed):
             return True
         assert self.bodies is not None
-        pose = pose_at(self.pair, u)
-        standing = Standing.posed(
-            self.bodies.mesh, self.bodies.model, pose if self.bodies.mesh_is_a else inverse_map(pose)
-        )
-        apart = True
-        for k in self.bodies.near:
-            self.work.step()
-            place = standing.primitive(k)
-            if place.point is not None:
-                return True
-            apart &= place.relation is Relation.APART
-        lasting = self.lasting(u)
+        near = self._near_at(u)
+        lasting = near is None or (bool(near) and self.are_lasting(u))
         if lasting:
+            return True
+        apart = not near or self._are_apart(near, u)
+        if apart is None:
             return True
         if lasting is None:
             return None
@@ -94,6 +89,39 @@ class _MeshSearch(CandidateSearch):
         if now is None or not (apart or self.bodies.search.at_start(now).status == "free"):
             return None
         return holds_model(self.bodies.search, self.bodies.mesh, now)
+
+    def _near_at(self, u: fmpq) -> list[int] | None:
+        """The primitives that doubles do not prove apart from the model then; None where they prove that one shares a
+        point with it at a time of which the same is true."""
+        assert self.bodies is not None
+        lo, hi = world_time(self.pair, AlgebraicRoot.of(u))[1]
+        window = next((w for w in self.bodies.windows if w.first <= lo and hi <= w.last), None)
+        if window is None:
+            return self.bodies.near
+        seen = self.bodies.search.near(window._replace(first=lo, last=hi))
+        if seen.reason == "budget":
+            return self.bodies.near
+        left = {x.primitive for x in seen.open}
+        now = self._window_at(u) if left and self.bodies.search.pieces_are_model else None
+        if now is not None and self.bodies.search.at_start(now).status in ("initial", "contact"):
+            return None
+        return [k for k in self.bodies.near if k in left]
+
+    def _are_apart(self, near: list[int], u: fmpq) -> bool | None:
+        """Whether all of these are proved apart from the model; None where one of them shares a point with it."""
+        assert self.bodies is not None
+        pose = pose_at(self.pair, u)
+        standing = Standing.posed(
+            self.bodies.mesh, self.bodies.model, pose if self.bodies.mesh_is_a else inverse_map(pose)
+        )
+        apart = True
+        for k in near:
+            self.work.step(LOOK)
+            place = standing.primitive(k)
+            if place.point is not None:
+                return None
+            apart &= place.relation is Relation.APART
+        return apart
 
     def _window_at(self, u: fmpq) -> Window | None:
         """The window at the double that stands for u; None where a candidate lies between the two."""

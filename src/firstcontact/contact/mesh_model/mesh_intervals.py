@@ -37,8 +37,8 @@ from firstcontact.timeline.lasting import LastingSolid
 from firstcontact.timeline.sweep import Certified, FirstTouch, Found, TimeSweep, Unproved
 from firstcontact.work import Query, Spent, Work
 
-QUICK_STEPS = 64
-"""Candidates and looks between them that are made before doubles are asked: a few hundredths of a second."""
+QUICK_STEPS = 1000
+"""Candidates and looks between them that are made before doubles are asked: some tenths of a second."""
 
 
 @ignoring_idle_turns

@@ -188,16 +188,28 @@ class CandidateSearch:
 
         None where none is known and one is open.
         """
-        at, is_open = AlgebraicRoot.of(u), False
-        found: list[Meeting] = []
+        told = list(self._each_lasting(u, known))
+        found = [meeting for meetings in told for meeting in meetings or ()]
+        return None if None in told and not found else found
+
+    def are_lasting(self, u: fmpq) -> bool | None:
+        """Whether there are such contacts; None where one is open."""
+        is_open = False
+        for found in self._each_lasting(u):
+            if found:
+                return True
+            is_open |= found is None
+        return None if is_open else False
+
+    def _each_lasting(self, u: fmpq, known: Collection[int] = ()) -> Iterator[list[Meeting] | None]:
+        """The same of each subproblem; None of one that is open."""
+        at = AlgebraicRoot.of(u)
         for task in self.tasks:
-            if not task.equation.may_hold_always or id(task) in known:
-                continue
-            try:
-                found += _validated(Candidate(task, at))[0]
-            except Undecidable:
-                is_open = True
-        return None if is_open and not found else found
+            if task.equation.may_hold_always and id(task) not in known:
+                try:
+                    yield _validated(Candidate(task, at))[0]
+                except Undecidable:
+                    yield None
 
     def share_a_point(self, u: fmpq, passed: list[Candidate] | None = None) -> bool | None:
         """Whether the models share a point at a rational u that is no candidate; None where it is not proved that they
@@ -218,7 +230,7 @@ class CandidateSearch:
         overlapping = self._overlap(u)  # far sooner told than what slides in one another, where they do
         if overlapping:
             return True
-        lasting = self.lasting(u)
+        lasting = self.are_lasting(u)
         if lasting or coincide(self.pair, u):
             return True
         return None if lasting is None else overlapping

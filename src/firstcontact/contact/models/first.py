@@ -12,6 +12,7 @@ import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact import upright_parts
+from firstcontact.contact.later import told_later
 from firstcontact.contact.models.advancing import ignoring_advance
 from firstcontact.contact.models.algorithm import CandidateSearch, Meeting, Root
 from firstcontact.contact.models.answer import contact_of, listed, world_time
@@ -63,6 +64,8 @@ def first(query: Query) -> FirstContact:
         seen, told, proved = settle(models, query)
         if seen is not None and told:
             return seen
+        if proved.status == "initial":
+            return _start(query, models, proved)
         if query.is_spent(proved.reason):
             return _undecided(query, proved, "budget")
         if proved.status == "open" and query.is_enough(proved.free_until):
@@ -84,6 +87,26 @@ def first(query: Query) -> FirstContact:
         Way("as polyhedra", _as_polyhedra, lambda query, _: seen is None and not query.is_algebraic),
         Way("what doubles proved", as_proved, is_proved),
     ], query)  # fmt: skip
+
+
+def _start(query: Query, models: tuple[Model, Model], proved: Advance) -> FirstContact:
+    """A start in contact that doubles prove; how the bodies lie then, and what touches, is worked out when it is read.
+    """
+    start = query.span[0]
+    found = FirstContact(
+        Status.INITIAL_CONTACT, start, (start, start), free_until=start, stats=query.stats(proved.steps, proved.gaps),
+        **query.shared,
+    )  # fmt: skip
+    asked = replace(query, budget=None, progress=None)
+
+    def exactly(query: Query, _: None) -> FirstContact | Passed:
+        return _exactly(query, proved)
+
+    def as_proved(query: Query, _: None) -> FirstContact:
+        return _proved_only(query, models, proved)
+
+    ways: list[Way[FirstContact]] = [Way("exactly", exactly), Way("what doubles proved", as_proved)]
+    return told_later(found, lambda: answered(ways, asked))
 
 
 def _has_a_later_instant(query: Query, proved: Advance | None) -> bool:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
-from firstcontact.contact.later import LATER, waiting
+from firstcontact.contact.later import told_later
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import fraction
@@ -43,16 +43,6 @@ def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstCo
         return told_later(found, lambda: _of_start(replace(query, progress=None), answer))
     told = _of_start(query, answer) if query.budget is None and _is_open(found) else None
     return found if told is None else replace(told, stats=found.stats + told.stats)
-
-
-def told_later(found: FirstContact, ask: Callable[[], FirstContact | None]) -> FirstContact:
-    """A contact: what touches, and how where that is not known, is what `ask` tells when it is read; as found where it
-    has None."""
-    def places() -> dict[str, object]:
-        told = ask()
-        return {} if told is None else {name: getattr(told, name) for name in LATER}
-
-    return waiting(found, places, **({} if found.initial is None else {"initial": found.initial}))
 
 
 def _of_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstContact | None:

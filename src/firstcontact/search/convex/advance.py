@@ -137,8 +137,8 @@ def advance(
     """The first common point of two bodies (CompositeQuadric, or Moving ones) over the closed [first, last].
 
     first, last: finite fmpq or numbers; tolerance: width of `time_interval` over the span; budget: strides at most.
-    covering: of pieces that cover the bodies.  enough: as `work.Query` has it.  close_up: whether what strides leave open
-    is looked at in balls.
+    covering: of pieces that cover the bodies.  enough: as `work.Query` has it.  close_up: whether what strides leave
+    open is looked at in balls.
     """
     begin, end = _exact(first), _exact(last)
     try:

@@ -54,8 +54,9 @@ def in_both(pair: MovingPair, x: Vector, root: Root, on_a: On, on_b: On) -> str:
     exact where their gradients are independent, or sums of the forms rule out the others.  Undecidable where enclosures
     leave signs open that matter.
     """
+    there = PlaceOfRoot(x, root)
     for body, forms, on, who in ((pair.a, pair.forms_a, on_a, "a"), (pair.b, pair.forms_b, on_b, "b")):
-        signs = [0 if k in on.surfaces else sign_at(form, x, root) for k, form in enumerate(forms)]
+        signs = [0 if k in on.surfaces else there.sign(form) for k, form in enumerate(forms)]
         unknown = [k for k, found in enumerate(signs) if found is None]
         inside = {True in outcomes(body.tree, _with(signs, unknown, s)) for s in product((-1, 1), repeat=len(unknown))}
         if len(inside) == 2:
@@ -88,27 +89,43 @@ def _with(signs: Sequence[int | None], unknown: Sequence[int], chosen: Sequence[
     return [replaced.get(k, 0) if s is None else s for k, s in enumerate(signs)]
 
 
-def sign_at(form: Form, x: Vector, root: Root) -> int | None:
-    """Exact sign of N.X (times the sign of w) or X^T Q X at the homogeneous point x over the field of the root.
+class PlaceOfRoot:
+    """A homogeneous point over the field of a root: the signs of forms there.
 
-    None for enclosed points whose balls do not show it.
+    Balls of the point and of the root are made once for all forms.
     """
-    for bits in BITS:
-        u = root.enclosure(bits)
-        balls = [ball(c, bits) for c in x]
-        with precision(bits):
-            found = form_value(form_at(form, u), balls)
-            if is_plane(form):
-                found = found * balls[3]
-        if found > 0 or found < 0:
-            return 1 if found > 0 else -1
-    if any(isinstance(c, EnclosedNumber) for c in x):
-        return None
-    assert isinstance(root, AlgebraicRoot)
-    field = NumberField(root)
-    if is_plane(form):
-        return sign(dot([field(c) for c in form], x)) * sign(x[3])
-    return sign(value(field.matrix(form), x))
+
+    def __init__(self, x: Vector, root: Root) -> None:
+        self.x, self.root = x, root
+        self._balls: dict[int, tuple[arb, list[arb]]] = {}
+
+    def sign(self, form: Form) -> int | None:
+        """Exact sign of N.X (times the sign of w) or X^T Q X.  None for enclosed points whose balls do not show it."""
+        for bits in BITS:
+            u, balls = self._at(bits)
+            with precision(bits):
+                found = form_value(form_at(form, u), balls)
+                if is_plane(form):
+                    found = found * balls[3]
+            if found > 0 or found < 0:
+                return 1 if found > 0 else -1
+        if any(isinstance(c, EnclosedNumber) for c in self.x):
+            return None
+        assert isinstance(self.root, AlgebraicRoot)
+        field = NumberField(self.root)
+        if is_plane(form):
+            return sign(dot([field(c) for c in form], self.x)) * sign(self.x[3])
+        return sign(value(field.matrix(form), self.x))
+
+    def _at(self, bits: int) -> tuple[arb, list[arb]]:
+        if bits not in self._balls:
+            self._balls[bits] = self.root.enclosure(bits), [ball(c, bits) for c in self.x]
+        return self._balls[bits]
+
+
+def sign_at(form: Form, x: Vector, root: Root) -> int | None:
+    """The sign of one form, as `PlaceOfRoot.sign` tells it."""
+    return PlaceOfRoot(x, root).sign(form)
 
 
 def form_value(form: Any, x: Sequence[arb]) -> Any:
