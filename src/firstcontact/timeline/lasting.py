@@ -3,7 +3,9 @@
 The point is sought in doubles, deep inside both bodies.  Let x, y be its places in its own model and in the other one
 at a time t, A, B their poses, R the linear part of B.  At a time s it has moved by R(s)^-1 (A'(r) x - B'(r) y) (s - t)
 in the other body, each row at some r between (mean values).  Ball arithmetic over enclosures of poses and speeds puts
-all these places inside the other body, or proves nothing.
+all these places inside the other body, or proves nothing.  The time passed, s - t, stays one number from 0 on in this:
+a form that falls along the way is known to fall, however far that leads, until what bends the way or the surface is
+more than that.
 """
 
 from __future__ import annotations
@@ -66,6 +68,22 @@ class OwnTip(NamedTuple):
     tip: LastingTip
 
 
+class Drift(NamedTuple):
+    """Where a point of one body comes to in the frame of the other one, from a point near it: by offset + passed rate,
+    at all times of a stretch.
+
+    passed: the time since it began.
+    """
+
+    offset: list[arb]
+    rate: list[arb]
+    passed: arb
+
+    @property
+    def moved(self) -> list[arb]:
+        return [x + self.passed * v for x, v in zip(self.offset, self.rate, strict=True)]
+
+
 class LastingSolid:
     """A model as the proof reads it: its forms exact, and in doubles.
 
@@ -84,16 +102,16 @@ class LastingSolid:
         cones = [x for x in model.surfaces if isinstance(x, Quadric) and x.apex is not None]
         self.tips = [_tip(x, model) for x in cones]
 
-    def holds(self, x: Sequence[arb], moved: Sequence[arb] | None = None) -> bool:
-        """Whether the model holds x (in its frame), and all points that far from it."""
+    def holds(self, x: Sequence[arb], drift: Drift | None = None) -> bool:
+        """Whether the model holds x (in its frame), and all points to which that drifts."""
         below, above = [], []
+        moved = None if drift is None else drift.moved
         for m in self.exact:
             image = [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in m]
             value = x[0] * image[0] + x[1] * image[1] + x[2] * image[2] + image[3]
-            if moved is not None:
-                for i in range(3):
-                    bent = m[i][0] * moved[0] + m[i][1] * moved[1] + m[i][2] * moved[2]
-                    value += moved[i] * (2 * image[i] + bent)
+            if drift is not None and moved is not None:
+                value += 2 * (_dot(image, drift.offset) + drift.passed * _dot(image, drift.rate))
+                value += _dot(moved, [_dot(row, moved) for row in m[:3]])
             below.append(not value > 0)
             above.append(not value < 0)
         return not possible(self.model.tree, below, above)[1]
@@ -228,7 +246,7 @@ class Lasting(Generic[P]):
 
     def drift(
         self, own: np.ndarray, other: np.ndarray, t: float, end: float, x: Sequence[arb], y: np.ndarray
-    ) -> list[arb]:
+    ) -> Drift:
         """How far from y a point x fixed in its own body is over [t, end], both in their bodies' frames."""
         p, q = self.pose(own, t), self.pose(other, t)
         p_speed, p_spread = self._speeds(own, t, end)
@@ -236,17 +254,16 @@ class Lasting(Generic[P]):
         z = [arb(c) for c in y.tolist()]
         length = arb(end) - arb(t)
         passed = length / 2 + arb(0, 1) * length / 2
-        off = []
+        offset, rate = [], []
         for i in range(3):
-            here = _image(p, p[12], p[13], i, x) - _image(q, q[12], q[13], i, z)
-            rate = _image(p_speed, p_spread, None, i, x) - _image(q_speed, q_spread, None, i, z)
-            off.append(here + passed * rate)
+            offset.append(_image(p, p[12], p[13], i, x) - _image(q, q[12], q[13], i, z))
+            rate.append(_image(p_speed, p_spread, None, i, x) - _image(q_speed, q_spread, None, i, z))
         turned = [
             [arb(q[3 * i + j], q[12]) + passed * arb(q_speed[3 * i + j], q_spread[3 * i + j]) for j in range(3)]
             for i in range(3)
         ]
         back = inverse_map(tuple((*row, arb(0)) for row in turned))  # type: ignore[arg-type]
-        return [row[0] * off[0] + row[1] * off[1] + row[2] * off[2] for row in back]
+        return Drift([_dot(row, offset) for row in back], [_dot(row, rate) for row in back], passed)
 
     def pose(self, m: np.ndarray, t: float) -> np.ndarray:
         """The fourteen numbers of a pose: linear part, shift, and their errors."""
@@ -426,8 +443,8 @@ def descended(
     """
     height = float(height_of(point, np.zeros((1, len(point))))[0])
     size = abs(height) + float(np.abs(point).max()) + 1e-300
-    scales = 0.5 ** np.arange(1.0, 54.0, 2.0)
-    steps = size * np.concatenate([r * directions(point) for r in scales])
+    around = directions(point)
+    steps = size * np.concatenate([r * around for r in 0.5 ** np.arange(1.0, 54.0, 2.0)])
     heights = height_of(point, steps)
     best = int(np.argmin(heights))
     radius = 2.0 * abs(height)
@@ -446,6 +463,11 @@ def descended(
         if height < 0.0 and radius < -0.2 * height:
             break
     return point, height
+
+
+def _dot(x: Sequence[Any], y: Sequence[arb]) -> arb:
+    """Of three numbers."""
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
 def linear(pose: np.ndarray) -> np.ndarray:

@@ -43,8 +43,8 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Body, Model
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
 
-QUICK_STEPS = 1000
-"""Subproblems and candidates that algebra looks at before doubles are asked for intervals: a few tenths of a second.
+QUICK_STEPS = 4000
+"""Subproblems and candidates that algebra looks at before doubles are asked for intervals: a second at most.
 Systems of four equations take longer than doubles do."""
 SURELY = 2.0**-30
 """Of a body's size: by how much it is made smaller and larger to see whether rounded poses tell how it starts."""

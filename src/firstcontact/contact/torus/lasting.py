@@ -13,7 +13,7 @@ from firstcontact.contact.torus.cells import square
 from firstcontact.contact.torus.heights import Around, Ring
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.rigid import apply
-from firstcontact.timeline.lasting import BITS, LastingSolid, tree_height
+from firstcontact.timeline.lasting import BITS, Drift, LastingSolid, tree_height
 
 SAMPLES = 12
 """Points along either circle at which its tube is looked at."""
@@ -35,8 +35,8 @@ class SolidTorus(LastingSolid):
         self.unit = abs(float(np.linalg.det(torus.pose[:, :3]))) ** (1 / 3)
         """The unit of its own frame; heights are compared with those of the other body, in the world's."""
 
-    def holds(self, x: Sequence[arb], moved: Sequence[arb] | None = None) -> bool:
-        place = tuple(x) if moved is None else tuple(a + b for a, b in zip(x, moved, strict=True))
+    def holds(self, x: Sequence[arb], drift: Drift | None = None) -> bool:
+        place = tuple(x) if drift is None else tuple(a + b for a, b in zip(x, drift.moved, strict=True))
         u, v, w = apply(self.back, place)  # type: ignore[arg-type]
         rho = (u * u + v * v).sqrt()
         across = rho - self.major
