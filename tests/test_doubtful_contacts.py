@@ -107,3 +107,77 @@ def test_flat_sheets_in_one_plane_are_never_called_free():
     )  # fmt: skip
     assert hit.status in (fc.Status.CONTACT, fc.Status.UNDECIDED)
     assert hit.free_until < 0.75
+
+
+# -- what is told of intervals where not all is decided: found by an outside tester -------------------------------
+
+
+def octahedron_under_screw(degrees=-180):
+    """It rises by 40 and turns; one corner is at distance 1 from the axis, the others are nearer."""
+    corners = [("3/5", "4/5", 0), ("-1/2", 0, 0), (0, "-1/2", 0), (0, 0, "1/2"), (0, 0, "-1/2")]
+    faces = [(0, 1, 3), (1, 2, 3), (2, 0, 3), (1, 0, 4), (2, 1, 4), (0, 2, 4)]
+    return fc.Polyhedron(corners, faces).moving(fc.Screw(AXIS, degrees=degrees, advance=40))
+
+
+def blocks(*boxes):
+    """One polyhedron of boxes (lo, hi)."""
+    made = [fc.examples.box(np.subtract(hi, lo).tolist()).translated(np.add(lo, hi) / 2) for lo, hi in boxes]
+    corners = np.concatenate([x.vertices for x in made])
+    faces = np.concatenate([x.triangles + 8 * k for k, x in enumerate(made)])
+    return fc.Polyhedron(corners, faces)
+
+
+def ends(found):
+    return [(x.start_interval, x.end_interval) for x in found]
+
+
+def is_around(interval, time):
+    return interval[0] - 1e-15 <= time <= interval[1] + 1e-15
+
+
+def test_contact_by_containment_goes_on_where_a_graze_is_left_open():
+    """Through a block, by heights alone from 1/16 to 17/80, and inside it for a while; then a corner grazes a wall."""
+    wall = blocks(((-3, -3, 3), (3, 3, 8)), ((1, -3, 10), (2, 3, 30)))
+    found = fc.contact_intervals(octahedron_under_screw(), wall)
+    graze = 0.5 - math.atan2(4, 3) / math.pi + 0.0  # the corner turns from there to the direction of x
+    assert found.status is fc.Status.UNDECIDED and found.reason == "precision"
+    assert found.free_until == pytest.approx(math.atan2(4, 3) / math.pi, abs=1e-9) != graze
+    ((start, end),) = ends(found)
+    assert is_around(start, 1 / 16) and is_around(end, 17 / 80) and end[1] - end[0] < 1e-12
+
+
+def test_what_is_inside_where_a_graze_is_left_open_may_go_on():
+    """The graze is from within: nothing is told of the times after it."""
+    hall = blocks(((-3, -3, 3), (1, 3, 20)), ((49, 49, 49), (51, 51, 51)))
+    found = fc.contact_intervals(octahedron_under_screw(), hall)
+    ((start, end),) = ends(found)
+    assert found.status is fc.Status.UNDECIDED and is_around(start, 1 / 16)
+    assert end[0] <= 0.5125 <= end[1] == 1.0
+
+
+@pytest.mark.parametrize("degrees", [-180, -100])
+def test_a_corner_passes_a_face_between_two_facets(degrees):
+    """What touches before and after it does at one time, and the tip lands in the last instant."""
+    found = fc.contact_intervals(
+        octahedron_under_screw(degrees), blocks(((-3, -3, 3), (3, 3, 8)), ((-3, -3, 40.5), (3, 3, 50)))
+    )
+    assert found.status is fc.Status.CONTACT
+    (start, end), last = ends(found)
+    assert is_around(start, 1 / 16) and is_around(end, 17 / 80) and last == ((1.0, 1.0), (1.0, 1.0))
+
+
+def test_a_coupler_that_is_inside_a_wall_for_a_while():
+    """It moves by (2 cos a - 2, 2 sin a, 0), a = 150 t degrees, without turning: contact from sin a = 1/2 to its return
+    there at the very end."""
+    def box(lo, hi):
+        return blocks((lo, hi))
+
+    links = {"base": box((-9, -9, -9), (-8, -8, -8)), "crank": box((0, -0.125, 0), (2, 0.125, 0.25)),
+             "coupler": box((2, -0.25, 0.5), (5, 0.25, 1))}  # fmt: skip
+    joints = [fc.Joint("a", "revolute", "base", "crank"),
+              fc.Joint("b", "revolute", "crank", "coupler", point=(2, 0, 0), mimic=("a", -1, 0))]  # fmt: skip
+    coupler = fc.Mechanism(links, joints).course([0, 1], {"a": [0, 150]}).bodies["coupler"][0]
+    found = fc.contact_intervals(coupler, box((-3, 1.25, 0), (8, 2, 2)))
+    ((start, end),) = ends(found)
+    assert found.status is fc.Status.CONTACT and is_around(start, 0.2) and is_around(end, 1.0)
+    assert end[1] - end[0] < 1e-12

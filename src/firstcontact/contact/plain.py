@@ -1,8 +1,9 @@
 """Motions that are plain over the span they are asked about: one shift, or the first step alone of several.
 
 A quaternion path between two poses of one orientation, a rational motion of the first degree that does not turn, steps
-that go on in one direction: what they do is a Translation, of the body in a rational pose; and a sequence is the
-Rotation or Screw that it begins with up to the end of that step.  More is proved of these than of motions at large.
+that go on in one direction: what they do is a Translation, of the body in a rational pose; a sequence is the Rotation
+or Screw that it begins with up to the end of that step; and a screw that only turns is a Rotation.  More is proved of
+these than of motions at large.
 """
 
 from __future__ import annotations
@@ -58,13 +59,15 @@ MOST_PLACED = 32
 def asked(answer: Callable[[Query], R], query: Query) -> R:
     """What `answer` tells of the query, and of bodies that move as plainly as they can be told to.
 
-    Of these it is asked at once where their ways are straight, else where the query itself is left open.
+    Of these it is asked at once where their ways are straight or a screw is none, else where the query itself is left
+    open.
     """
     a, b = (plainly(body, query.first, query.last) for body in query.bodies)
     if a is query.a and b is query.b:
         return answer(query)
     own = replace(query, a=a, b=b)
-    asked = (own, query) if drift_of(a) is not None and drift_of(b) is not None else (query, own)
+    straight = drift_of(a) is not None and drift_of(b) is not None
+    asked = (own, query) if straight or any(_as_no_screw(x) is not None for x in query.bodies) else (query, own)
     found = answer(asked[0])
     if found.status is Status.UNDECIDED and not query.is_spent(found.reason):
         told = answer(replace(asked[1], budget=query.budget_after(found.stats)))
@@ -75,13 +78,25 @@ def asked(answer: Callable[[Query], R], query: Query) -> R:
 
 def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:
     """The same over these times, moved by a Translation, Rotation or Screw; the body itself where it cannot be."""
-    if not isinstance(body, Moving) or not isinstance(body.motion, _OF_STEPS):
+    if not isinstance(body, Moving):
+        return body
+    if (found := _as_no_screw(body)) is not None:
+        return found
+    if not isinstance(body.motion, _OF_STEPS):
         return body
     if isinstance(body.motion, Sequence) and any(first <= t and (last is None or t <= last) for t in body.motion.jumps):
         return body  # at the end of the span too, which holds the pose after it
     end = () if last is None else (int(last.p), int(last.q))
     plain = _plain(body.motion, int(first.p), int(first.q), *end)
     return body if plain is None else Moving(placed(shape_of(body), plain.before), plain.motion)
+
+
+def _as_no_screw(body: Body) -> Moving | None:
+    """The body, where it moves by a screw that only turns, or only advances, moved by that turn or shift."""
+    if not isinstance(body, Moving) or not isinstance(body.motion, Screw):
+        return None
+    reduced = body.motion.reduced()
+    return None if reduced is body.motion else Moving(body.body, reduced)
 
 
 @lru_cache(maxsize=128)

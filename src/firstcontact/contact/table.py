@@ -20,8 +20,10 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.product import Simple
 from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.screw import Screw
 from firstcontact.motion.span import refuse_late
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
+from firstcontact.timeline.answers import as_far_as_decided
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
@@ -141,9 +143,9 @@ def first_contact(query: Query) -> FirstContact:
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
     if _is_of_one_step(query):
-        return _answer("intervals", query)
+        return as_far_as_decided(_answer("intervals", query))
     whole = partial(along.intervals, partial(plain.asked, _intervals))
-    return linked.intervals(partial(one_joint.intervals, whole), query)
+    return as_far_as_decided(linked.intervals(partial(one_joint.intervals, whole), query))
 
 
 def contact_pairs(query: Query) -> ContactPairs:
@@ -154,9 +156,13 @@ def contact_pairs(query: Query) -> ContactPairs:
 
 def _is_of_one_step(query: Query) -> bool:
     """Whether one body at most moves, in one step: most questions, of whose motions nothing is taken apart or joined.
+
+    A screw that only turns, or only advances, is asked about as what it is instead.
     """
     moving = [x.motion for x in query.bodies if isinstance(x, Moving)]
-    return not moving or (len(moving) == 1 and isinstance(moving[0], Simple))
+    if len(moving) > 1:
+        return False
+    return all(isinstance(x, Simple) and (not isinstance(x, Screw) or x.reduced() is x) for x in moving)
 
 
 def _turns(query: Query) -> bool:

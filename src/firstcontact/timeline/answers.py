@@ -34,6 +34,21 @@ def proved_intervals(found: Found, work: Work, query: Query) -> ContactIntervals
     return ContactIntervals(tuple(intervals), status, until, found.reason, query.stats(work.done), **query.shared)
 
 
+def as_far_as_decided(found: ContactIntervals) -> ContactIntervals:
+    """The answer; of one that is UNDECIDED, what is before the time until which all is told.
+
+    An interval that may go on then has the rest of the span to end in.
+    """
+    if found.status is not Status.UNDECIDED or found.free_until is None:
+        return found
+    until, last = found.free_until, found.span[1]
+    told = [x for x in found.intervals if x.start_interval[0] <= until]
+    if told and told[-1].end_interval[1] >= until:
+        end = told[-1].end_interval[0]
+        told[-1] = replace(told[-1], end=end, end_interval=(end, last), end_exact=None)
+    return replace(found, intervals=tuple(told))
+
+
 def likely_time(interval: tuple[float, float]) -> float:
     """The double that is nearest to the simplest number of an enclosure."""
     lo, hi = interval

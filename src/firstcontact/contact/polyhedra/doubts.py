@@ -1,7 +1,9 @@
 """Times in which it is left open whether two elements meet, and what is left of them beside certain contact.
 
 A doubt inside a time in which the bodies certainly meet changes nothing; one at its end is a part of what encloses that
-end.  Only a doubt by itself, or one between two contacts, leaves the answer open.
+end.  One between two contacts makes them one, if it is so short that times are not told apart in it: where a corner
+passes a face, what touches before and what touches after it do at one time, which enclosures cannot tell.  A doubt by
+itself leaves the answer open, and so does a long one.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from flint import arb, fmpq
 from firstcontact.exact.numbers import dyadic
 from firstcontact.exact.times.instants import RationalInstant
 
-# The widest doubt that may enclose an end, as a share of the piece.
+# The widest doubt that may enclose an end, or join two contacts, as a share of the piece.
 WIDEST = fmpq(1, 10**12)
 
 
@@ -62,11 +64,12 @@ def settled(
         if any(w.begun <= doubt.lo and doubt.hi <= w.ending for w in found):
             continue
         beside = [w for w in found if w.start <= doubt.hi and doubt.lo <= w.end]
-        if doubt.is_wide(length) or len(beside) > 1 or not (beside or doubt.is_contact):
+        if doubt.is_wide(length) or not (beside or doubt.is_contact):
             return [_window(w) for w in _until(found, doubt.lo)], doubt.lo
         if beside:
-            (w,) = beside
+            w = _joined(beside)
             w.start, w.end = min(w.start, doubt.lo), max(w.end, doubt.hi)
+            found = [*(x for x in found if not any(x is y for y in beside)), w]
             continue
         found.append(Certain(doubt.lo, doubt.hi, doubt.lo, doubt.hi))
     return [_window(w) for w in sorted(found, key=lambda w: w.start)], None
@@ -93,6 +96,12 @@ def _united(windows: list[Certain]) -> list[Certain]:
         else:
             out.append(w)
     return out
+
+
+def _joined(windows: list[Certain]) -> Certain:
+    """From the start of the first until the end of the last."""
+    first, last = min(windows, key=lambda w: w.begun), max(windows, key=lambda w: w.ending)
+    return Certain(first.start, first.begun, last.ending, last.end)
 
 
 def _gaps(windows: list[Certain]) -> list[Doubt]:

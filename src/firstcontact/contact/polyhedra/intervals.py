@@ -89,11 +89,13 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
             if wide == MOST_WIDE:
                 raise Undecidable
         with precision(PRECISIONS[-1]):  # ends that balls tell to many digits lose none
-            answer.windows, open_from = _settled(problem, items, doubts)
-            if open_from is not None:
-                answer.open, answer.until = "precision", below(open_from)
+            windows, open_from = _settled(problem, items, doubts)
+            until = None if open_from is None else below(open_from)
             if problem.a.solid or problem.b.solid:
-                answer.windows = _with_containment(problem, answer.windows, open_from)
+                windows, until = _with_containment(problem, windows, open_from)
+            answer.windows = windows
+            if until is not None:
+                answer.open, answer.until = "precision", until
     except Undecidable:
         answer.open = "precision"
     except Spent:
@@ -271,10 +273,14 @@ def _union(items: list[Window], problem: Problem) -> list[Window]:
     return out
 
 
-def _with_containment(problem: Problem, windows: list[Window], open_from: fmpq | None) -> list[Window]:
-    """The disjoint windows and those gaps between them in which a body lies inside the other, before what is open.
+def _with_containment(
+    problem: Problem, windows: list[Window], open_from: fmpq | None
+) -> tuple[list[Window], float | None]:
+    """(the disjoint windows and those gaps between them in which a body lies inside the other, before what is open;
+    from when on that is, None: nowhere).
 
-    The surfaces share no point in a gap, so one time in it decides the whole gap.
+    The surfaces share no point in a gap, so one time in it decides the whole gap; if that is not told, it is open from
+    there.
     """
     begin = problem.start_instant()
     end: Any = problem.end_instant() if open_from is None else RationalInstant(open_from)
@@ -282,10 +288,21 @@ def _with_containment(problem: Problem, windows: list[Window], open_from: fmpq |
     out: list[Window] = []
     for k, (before, after) in enumerate(pairwise(ends)):
         left, right = before[1], after[0]
-        is_gap = not (windows or open_from is not None) or problem.order(left, right) < 0
-        inside = is_gap and contained_at(problem, left, right)
+        is_all = not windows and open_from is None
+        try:
+            inside = (is_all or _is_gap(problem, left, right)) and contained_at(problem, left, right)
+        except Undecidable:
+            return out, left.bounds()[0]
         if inside:  # from the end of what came before, which needs no comparison: it may be a ball
             out = [*out[:-1], (out[-1][0] if out else left, right)]
         if k < len(windows):  # whose end may be None: never
             out = [*out[:-1], (out[-1][0], after[1])] if inside else [*out, after]
-    return out
+    return out, None if open_from is None else below(open_from)
+
+
+def _is_gap(problem: Problem, left: Any, right: Any) -> bool:
+    """Whether there are times between; of two that are not told apart one is an end that encloses them."""
+    try:
+        return problem.order(left, right) < 0
+    except Undecidable:
+        return False
