@@ -17,7 +17,7 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.centred import intervals_anew
 from firstcontact.contact.mesh_model import exactly
-from firstcontact.contact.mesh_model.by_triangles import first, holds_model, lands, windows_of
+from firstcontact.contact.mesh_model.by_triangles import first, first_in_doubles, holds_model, lands, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
 from firstcontact.contact.mesh_model.sole_pair import sole_pair
@@ -37,7 +37,7 @@ from firstcontact.timeline.lasting import LastingSolid
 from firstcontact.timeline.sweep import Certified, FirstTouch, Found, TimeSweep, Unproved
 from firstcontact.work import Query, Spent, Work
 
-QUICK_STEPS = 1000
+QUICK_STEPS = 3000
 """Candidates and looks between them that are made before doubles are asked: some tenths of a second."""
 
 
@@ -49,6 +49,7 @@ def intervals(query: Query) -> ContactIntervals:
     Raises UnsupportedPair.
     """
     ways = [
+        Way("in doubles, if free", _if_free, lambda query, _: query.is_auto and query.budget is None),
         Way("soon exactly", _soon_exactly, lambda query, _: query.is_auto and query.budget is None),
         Way("by triangles", lambda query, _: decided(_by_triangles(query, False), query), _is_in_doubles),
         Way("by triangles near the origin", partial(_anew, with_exact=False), _may_be_asked_again),
@@ -64,6 +65,13 @@ def _is_in_doubles(query: Query, _: ContactIntervals | None) -> bool:
 
 def _may_be_exact(query: Query, _: ContactIntervals | None) -> bool:
     return not query.is_certified
+
+
+def _if_free(query: Query, _: None) -> ContactIntervals | Passed:
+    found = first_in_doubles(query)
+    if found.status is not Status.FREE:
+        return Passed("not free")
+    return ContactIntervals((), Status.FREE, query.span[1], None, found.stats, **query.shared)
 
 
 def _soon_exactly(query: Query, _: ContactIntervals | None) -> ContactIntervals | Passed:

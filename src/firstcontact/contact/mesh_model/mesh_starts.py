@@ -21,7 +21,7 @@ from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
 from firstcontact.exact.vectors import Vector, cross, sub
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.pieces import placement_at
-from firstcontact.search.convex.convex import NotConvex, convex_pieces
+from firstcontact.search.convex.convex import NotConvex, is_of_pieces
 from firstcontact.search.convex.relation import Relation
 from firstcontact.search.convex.resting import Place, places
 
@@ -95,7 +95,7 @@ class Standing:
             told = False
             if one.relation is other.relation is Relation.OVERLAPPING:
                 x = one.point if self.relative is None else _between(points, one.point, other.point)
-                if _is_made_of_pieces(model) or (self.relative is not None and model.holds_inside(x)):
+                if is_of_pieces(model) or (self.relative is not None and model.holds_inside(x)):
                     return Place(Relation.OVERLAPPING, x)
         return Place(Relation.APART) if told else self._by_intersection(points, sides)
 
@@ -165,13 +165,6 @@ def _between_roots(roots: list[AlgebraicRoot]) -> list[fmpq]:
 
 def _following(solid: CompositeQuadric, body: Body) -> Body:
     return Moving(solid, body.motion) if isinstance(body, Moving) else solid
-
-
-def _is_made_of_pieces(model: CompositeQuadric) -> bool:
-    try:
-        return convex_pieces(model).count > 0
-    except NotConvex:
-        return False
 
 
 def _between(points: list[Vector], x: Vector | None, y: Vector | None) -> Vector:

@@ -49,15 +49,17 @@ MANY = 32
 _CUT = Kept[dict[Any, Any]]()
 
 
-def settle(models: tuple[Model, Model], query: Query, apart: bool = False) -> tuple[FirstContact | None, bool, Advance]:
+def settle(
+    models: tuple[Model, Model], query: Query, apart: bool = False, close_up: bool = True
+) -> tuple[FirstContact | None, bool, Advance]:
     """(the answer, None where there is none; whether it tells all that is shared; what was proved).
 
-    models: both bodies of the query as models; apart: they are known to be that at the start.  Among features that
-    touch at the same time the answer names one pair.
+    models: both bodies of the query as models; apart: they are known to be that at the start; close_up: as `advance`
+    has it.  Among features that touch at the same time the answer names one pair.
     """
     models, budget = both_bounded(models, query.span), query.budget
     most, enough = 10_000 if budget is None else budget, query.enough
-    found = advance(*models, query.first, query.end, query.tolerance, most, enough=enough)
+    found = advance(*models, query.first, query.end, query.tolerance, most, enough=enough, close_up=close_up)
     if found.beyond:
         most = MOST_BOXES if budget is None else budget
         found = first_event(*models, query.first, query.end, query.tolerance, most, apart, enough)

@@ -36,6 +36,7 @@ from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.convex.advance import Advance, advance
+from firstcontact.search.convex.convex import is_of_pieces
 from firstcontact.timeline.answers import proved_intervals
 from firstcontact.work import Query, Spent, Work
 
@@ -46,6 +47,10 @@ if TYPE_CHECKING:
 QUICK_STEPS = 4000
 """Subproblems and candidates that algebra looks at before doubles are asked for intervals: a second at most.
 Systems of four equations take longer than doubles do."""
+QUICK_FIRST = 400
+"""The same of a first contact: a twentieth of a second."""
+FEW_PAIRS = 100
+"""Of surfaces."""
 SURELY = 2.0**-30
 """Of a body's size: by how much it is made smaller and larger to see whether rounded poses tell how it starts."""
 
@@ -57,11 +62,12 @@ def first(query: Query) -> FirstContact:
     exact, or method "algebraic": exactly at once; "algebraic" judges and lists every subproblem too.
     """
     models = _models(query)
+    soon = _may_soon_be_exact(query, models)
     seen: FirstContact | None = None  # the contact that doubles prove, though not all that is shared
 
-    def in_doubles(query: Query, _: None) -> FirstContact | Passed:
+    def in_doubles(close_up: bool, query: Query, _: Advance | None) -> FirstContact | Passed:
         nonlocal seen
-        seen, told, proved = settle(models, query)
+        seen, told, proved = settle(models, query, close_up=close_up)
         if seen is not None and told:
             return seen
         if proved.status == "initial":
@@ -80,13 +86,34 @@ def first(query: Query) -> FirstContact:
         return _proved_only(query, models, proved) if seen is None else seen
 
     return answered([
-        Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
+        Way("in doubles", partial(in_doubles, not soon), lambda query, _: not query.is_algebraic),
+        Way("soon exactly", _soon_exactly, lambda _, proved: soon and _is_open(proved)),
+        Way("in balls", partial(in_doubles, True), lambda _, proved: soon and _is_open(proved)),
         Way("exactly, at the contact", _at_contact, _is_contact),
         Way("exactly", _exactly),
         Way("at the last instant", at_last_instant, _has_a_later_instant),
         Way("as polyhedra", _as_polyhedra, lambda query, _: seen is None and not query.is_algebraic),
         Way("what doubles proved", as_proved, is_proved),
     ], query)  # fmt: skip
+
+
+def _may_soon_be_exact(query: Query, models: tuple[Model, Model]) -> bool:
+    """Whether algebra is asked of what strides leave open before that is looked at in balls: of few surfaces it takes
+    less."""
+    if not query.is_auto or query.budget is not None or any(map(needs_systems, models)):
+        return False
+    shapes = [shape_of(x) for x in both_bounded(models, query.span)]
+    return len(shapes[0].surfaces) * len(shapes[1].surfaces) <= FEW_PAIRS and all(map(is_of_pieces, shapes))
+
+
+def _is_open(proved: Advance | None) -> bool:
+    return proved is not None and proved.status == "open"
+
+
+def _soon_exactly(query: Query, _: Advance) -> FirstContact | Passed:
+    own = query.limited(QUICK_FIRST)
+    found = _decided(own, own.work())
+    return Passed(str(found.reason)) if found.status is Status.UNDECIDED else found
 
 
 def _start(query: Query, models: tuple[Model, Model], proved: Advance) -> FirstContact:

@@ -109,6 +109,14 @@ def convex_pieces(body: CompositeQuadric) -> ConvexPieces:
     return _CONVEX.of_or_refusal(body, lambda: _own_pieces(body), NotConvex)
 
 
+def is_of_pieces(body: CompositeQuadric) -> bool:
+    """Whether the body is a union of convex pieces."""
+    try:
+        return convex_pieces(body).count > 0
+    except NotConvex:
+        return False
+
+
 def covering_pieces(body: CompositeQuadric) -> ConvexPieces:
     """Convex pieces that cover the body, kept on it: its own, without what is not convex in them (holes are filled).
 
