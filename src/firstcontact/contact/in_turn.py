@@ -35,12 +35,10 @@ class Round(NamedTuple):
 
 
 ROUNDS = (
-    Round(4_000, 130, QUICK), Round(100_000, 300, FARTHER),
+    Round(2_500, 130, QUICK), Round(100_000, 300, FARTHER),
     Round(200_000, 1_000, FARTHEST), Round(None, None, FARTHEST),
 )  # fmt: skip
-"""About 0.2, 2, 5 s and more of either."""
-IF_FREE = 2_000
-"""Boxes that doubles look at to prove that there is no contact at all, before elimination is asked for all of them."""
+"""About 0.1, 2, 5 s and more of either."""
 NEARBY = fmpq(1, 2**30)
 """Part of the span around a time proved in doubles in which it is decided exactly."""
 
@@ -181,17 +179,11 @@ def intervals_in_turn(
     query: Query, first: InDoubles, in_doubles: Callable[[Query, Work], ContactIntervals],
     exactly: Callable[[Query, Work, Reach], ContactIntervals],
 ) -> ContactIntervals:  # fmt: skip
-    """All contacts.  first: the first one in doubles, which tells of free spans without more."""
+    """All contacts.  first: the first one in doubles, which tells whether these take the question."""
     shared, turns = query.work(), AskedSoFar()
 
     def work(budget: int | None) -> Work:
         return shared if query.budget is not None else _limited(query, budget).work()
-
-    def if_free(query: Query, _: None) -> ContactIntervals | Passed:
-        proved = first(replace(query, budget=IF_FREE))
-        if proved.status is not Status.FREE:
-            return Passed(proved.reason or "contact")
-        return ContactIntervals((), Status.FREE, query.span[1], None, proved.stats, **query.shared)
 
     def by_doubles(own: Round, query: Query, _: ContactIntervals | None) -> ContactIntervals | Passed:
         return decided(in_doubles(query, work(turns.boxes(own))), query)
@@ -202,10 +194,8 @@ def intervals_in_turn(
         return _beside(proved, decided(_with_advice(query, ask, first), query))
 
     ways: list[Way[ContactIntervals]] = []
-    if not query.is_algebraic and query.budget is None:
-        ways.append(Way("in doubles, if free", if_free))
     for own in ROUNDS if query.is_auto else ROUNDS[-1:]:
-        if not query.is_algebraic and own is not ROUNDS[0]:
+        if not query.is_algebraic:
             ways.append(Way("in doubles", partial(by_doubles, own), turns.is_cut_short))
         ways.append(Way("exactly", partial(by_elimination, own), turns.is_open))
     return answered(ways, query)
