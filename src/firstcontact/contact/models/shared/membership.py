@@ -24,8 +24,8 @@ Vector = tuple[Any, ...]
 Root = AlgebraicRoot | EnclosedRoot
 BITS = (96, 384)
 """Precisions of the balls that decide before the field does: zeros apart, nearly all signs show at the first."""
-
 SLACK = 2.0**-46
+"""Of the sum of a form's terms in doubles: what rounding may change, see `PlaceOfRoot.signs_in_doubles`."""
 
 
 class On(NamedTuple):
