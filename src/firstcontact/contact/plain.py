@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from flint import fmpq
@@ -21,6 +21,7 @@ from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.exact.vectors import Vector, scaled
 from firstcontact.motion.moving import Moving, drift_of, shape_of
 from firstcontact.motion.placement import HERE, advanced
+from firstcontact.motion.product import Simple
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.stretches import known_steps
 from firstcontact.motion.rotation import Rotation
@@ -42,6 +43,15 @@ Course = tuple[Matrix, Vector]
 """Where a body would be at time 0, and its velocity."""
 
 
+PlaceKey = tuple[int, ...]
+"""A pose in whole numbers, since rationals take a microsecond to hash."""
+
+
+def place_key(pose: Matrix) -> PlaceKey:
+    """The same for the same poses alone."""
+    return tuple(int(part) for row in pose for x in row for part in (x.p, x.q))
+
+
 @dataclass(frozen=True, eq=False)
 class Plain:
     """A motion of bodies that stand in the pose `before` at time 0; one of its kind is made for each motion and span.
@@ -50,8 +60,12 @@ class Plain:
     before: Matrix
     motion: Translation | Rotation | Screw
 
+    @cached_property
+    def key(self) -> PlaceKey:
+        return place_key(self.before)
 
-_PLACED = Kept[dict[tuple[Matrix, str | None], Any]]()
+
+_PLACED = Kept[dict[tuple[PlaceKey, str | None], Any]]()
 MOST_PLACED = 32
 """Copies of a shape that are kept."""
 
@@ -76,6 +90,13 @@ def asked(answer: Callable[[Query], R], query: Query) -> R:
     return changed(found, **query.shared)
 
 
+def is_told_plainly(motion: Simple | RationalMotion) -> bool:
+    """Whether a motion of one step is no plainer one."""
+    if isinstance(motion, RationalMotion):
+        return motion.velocity() is None
+    return not isinstance(motion, Screw) or motion.reduced() is motion
+
+
 def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:
     """The same over these times, moved by a Translation, Rotation or Screw; the body itself where it cannot be."""
     if not isinstance(body, Moving):
@@ -88,7 +109,7 @@ def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:
         return body  # at the end of the span too, which holds the pose after it
     end = () if last is None else (int(last.p), int(last.q))
     plain = _plain(body.motion, int(first.p), int(first.q), *end)
-    return body if plain is None else Moving(placed(shape_of(body), plain.before), plain.motion)
+    return body if plain is None else Moving(placed(shape_of(body), plain.before, plain.key), plain.motion)
 
 
 def _as_no_screw(body: Body) -> Moving | None:
@@ -141,11 +162,11 @@ def _turn(step: Step) -> Rotation | Screw | None:
     return motion.paced(1 / step.unit)
 
 
-def placed(shape: Shape, before: Matrix) -> Any:
+def placed(shape: Shape, before: Matrix, place: PlaceKey) -> Any:
     """The shape in a pose; kept on it, by its name too, which copies have of their own."""
     if before == IDENTITY:
         return shape
-    known, key = _PLACED.of(shape, dict), (before, shape.name)
+    known, key = _PLACED.of(shape, dict), (place, shape.name)
     if key not in known:
         if len(known) >= MOST_PLACED:
             known.clear()

@@ -19,8 +19,8 @@ from firstcontact.contact.runs import along, linked, one_joint, turns
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.product import Simple
+from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
-from firstcontact.motion.screw import Screw
 from firstcontact.motion.span import refuse_late
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.timeline.answers import as_far_as_decided
@@ -157,12 +157,12 @@ def contact_pairs(query: Query) -> ContactPairs:
 def _is_of_one_step(query: Query) -> bool:
     """Whether one body at most moves, in one step: most questions, of whose motions nothing is taken apart or joined.
 
-    A screw that only turns, or only advances, is asked about as what it is instead.
+    What is a plainer motion, such as a screw that only turns, is asked about as that instead.
     """
     moving = [x.motion for x in query.bodies if isinstance(x, Moving)]
     if len(moving) > 1:
         return False
-    return all(isinstance(x, Simple) and (not isinstance(x, Screw) or x.reduced() is x) for x in moving)
+    return all(isinstance(x, Simple | RationalMotion) and plain.is_told_plainly(x) for x in moving)
 
 
 def _turns(query: Query) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -62,7 +62,7 @@ def first(query: Query) -> FirstContact:
     exact, or method "algebraic": exactly at once; "algebraic" judges and lists every subproblem too.
     """
     models = _models(query)
-    soon = _may_soon_be_exact(query, models)
+    strides = query.is_auto and query.budget is None  # alone, at first
     seen: FirstContact | None = None  # the contact that doubles prove, though not all that is shared
 
     def in_doubles(close_up: bool, query: Query, _: Advance | None) -> FirstContact | Passed:
@@ -78,6 +78,9 @@ def first(query: Query) -> FirstContact:
             return _undecided(query, proved, "precision")
         return Passed(proved.reason or proved.status, proved)
 
+    def near() -> tuple[Model, Model]:
+        return both_bounded(models, query.span)
+
     def at_last_instant(query: Query, proved: Advance) -> FirstContact | Passed:
         landed = _landed(query, *models, proved)
         return Passed("no landing") if landed is None else landed
@@ -86,9 +89,9 @@ def first(query: Query) -> FirstContact:
         return _proved_only(query, models, proved) if seen is None else seen
 
     return answered([
-        Way("in doubles", partial(in_doubles, not soon), lambda query, _: not query.is_algebraic),
-        Way("soon exactly", _soon_exactly, lambda _, proved: soon and _is_open(proved)),
-        Way("in balls", partial(in_doubles, True), lambda _, proved: soon and _is_open(proved)),
+        Way("in doubles", partial(in_doubles, not strides), lambda query, _: not query.is_algebraic),
+        Way("soon exactly", _soon_exactly, lambda _, proved: strides and _may_soon_be_exact(proved, near)),
+        Way("in balls", partial(in_doubles, True), lambda _, proved: strides and _may_be_closed_up(proved, near)),
         Way("exactly, at the contact", _at_contact, _is_contact),
         Way("exactly", _exactly),
         Way("at the last instant", at_last_instant, _has_a_later_instant),
@@ -97,17 +100,19 @@ def first(query: Query) -> FirstContact:
     ], query)  # fmt: skip
 
 
-def _may_soon_be_exact(query: Query, models: tuple[Model, Model]) -> bool:
-    """Whether algebra is asked of what strides leave open before that is looked at in balls: of few surfaces it takes
-    less."""
-    if not query.is_auto or query.budget is not None or any(map(needs_systems, models)):
+def _may_be_closed_up(proved: Advance | None, near: Callable[[], tuple[Model, Model]]) -> bool:
+    """Whether strides were taken, and left it open."""
+    is_open = proved is not None and proved.status == "open"
+    return is_open and all(is_of_pieces(shape_of(x)) for x in near())
+
+
+def _may_soon_be_exact(proved: Advance | None, near: Callable[[], tuple[Model, Model]]) -> bool:
+    """Whether algebra is asked of that before it is looked at in balls: of few surfaces it takes less."""
+    if not _may_be_closed_up(proved, near):
         return False
-    shapes = [shape_of(x) for x in both_bounded(models, query.span)]
-    return len(shapes[0].surfaces) * len(shapes[1].surfaces) <= FEW_PAIRS and all(map(is_of_pieces, shapes))
-
-
-def _is_open(proved: Advance | None) -> bool:
-    return proved is not None and proved.status == "open"
+    a, b = near()
+    pairs = len(shape_of(a).surfaces) * len(shape_of(b).surfaces)
+    return pairs <= FEW_PAIRS and not needs_systems(a) and not needs_systems(b)
 
 
 def _soon_exactly(query: Query, _: Advance) -> FirstContact | Passed:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from flint import fmpq, fmpq_poly
 
 from firstcontact.contact.later import changed, waiting
-from firstcontact.contact.plain import placed
+from firstcontact.contact.plain import place_key, placed
 from firstcontact.contact.runs import seams
 from firstcontact.contact.ways import Passed, R, tried
 from firstcontact.exact.numbers import above, below, exact_value, fraction
@@ -230,7 +230,8 @@ def _course(part: Query, joint: SoleJoint) -> ValueCourse:
         first, end = local[0] - 2 * way(local), local[0] + 2 * way(local)  # on either side, and not close to any value
     elif end < first:
         value, motion, first, end = tuple(-c for c in value), motion.paced(fmpq(-1)), -first, -end
-    bodies = [placed(shape_of(x), place.matrix()) for x, place in zip(part.bodies, joint.places, strict=True)]
+    poses = [place.matrix() for place in joint.places]
+    bodies = [placed(shape_of(x), pose, place_key(pose)) for x, pose in zip(part.bodies, poses, strict=True)]
     bodies[joint.of] = Moving(bodies[joint.of], motion)
     own = replace(
         part, a=bodies[0], b=bodies[1], first=first, last=end, tolerance=CLOSER * part.tolerance,
