@@ -116,7 +116,7 @@ def test_a_way_that_passes_is_told():
     hit = fc.first_contact(ball.translated((2, 0, 5)).moving(fc.Translation((0, 0, -10))), ball)
     assert [x.way for x in hit.stats.ways] == ["in doubles", "soon exactly"]
     assert hit.stats.ways[0].told.startswith("passed") and hit.stats.ways[1].told == "CONTACT"
-    assert hit.to_dict()["stats"]["ways"][1]["way"] == "exactly"
+    assert hit.to_dict()["stats"]["ways"][1]["way"] == "soon exactly"
     assert EXACT == PAIRS[Kind.MODEL, Kind.MODEL].proves[0]
 
 
