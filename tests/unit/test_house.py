@@ -5,7 +5,7 @@ from pathlib import Path
 
 import firstcontact
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 import house  # noqa: E402
 
 PACKAGE = Path(firstcontact.__file__).parent

@@ -21,7 +21,6 @@ from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.exact.vectors import Vector, scaled
 from firstcontact.motion.moving import Moving, drift_of, shape_of
 from firstcontact.motion.placement import HERE, advanced
-from firstcontact.motion.product import Simple
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.stretches import known_steps
 from firstcontact.motion.rotation import Rotation
@@ -88,13 +87,6 @@ def asked(answer: Callable[[Query], R], query: Query) -> R:
         stats = replace(found.stats + told.stats, seconds=query.stats().seconds)
         found = found if told.status is Status.UNDECIDED else changed(told, stats=stats)
     return changed(found, **query.shared)
-
-
-def is_told_plainly(motion: Simple | RationalMotion) -> bool:
-    """Whether a motion of one step is no plainer one."""
-    if isinstance(motion, RationalMotion):
-        return motion.velocity() is None
-    return not isinstance(motion, Screw) or motion.reduced() is motion
 
 
 def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:

@@ -18,8 +18,6 @@ from firstcontact.contact import at_once, centred, common_shift, jumps, one_moti
 from firstcontact.contact.runs import along, linked, one_joint, turns
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.motion.product import Simple
-from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.span import refuse_late
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
@@ -160,9 +158,7 @@ def _is_of_one_step(query: Query) -> bool:
     What is a plainer motion, such as a screw that only turns, is asked about as that instead.
     """
     moving = [x.motion for x in query.bodies if isinstance(x, Moving)]
-    if len(moving) > 1:
-        return False
-    return all(isinstance(x, Simple | RationalMotion) and plain.is_told_plainly(x) for x in moving)
+    return not moving or (len(moving) == 1 and moving[0].is_one_step)
 
 
 def _turns(query: Query) -> bool:

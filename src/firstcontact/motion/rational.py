@@ -159,6 +159,10 @@ class RationalMotion(Motion):
             out += [[[to_double(x[i] / w) for x in row] for row in entries] for i, w in enumerate(weights)]
         return np.array(out)
 
+    @property
+    def is_one_step(self) -> bool:
+        return self.velocity() is None
+
     def velocity(self) -> Vector | None:
         """That of a body which the motion shifts evenly, in a pose that never turns; None of other motions."""
         weight = self.pose[3][3]

@@ -43,6 +43,7 @@ class Rotation(Motion):
     __slots__ = ("axis", "point", "angle", "unit")
     span = SPAN
     extends = True
+    is_one_step = True
     advance = fmpq(0)
     """As of a Screw that does not advance."""
 

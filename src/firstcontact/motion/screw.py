@@ -97,6 +97,10 @@ class Screw(Motion):
         return self if length is None else Translation(scaled(self.advance / length, self.axis))
 
     @property
+    def is_one_step(self) -> bool:
+        return self.reduced() is self
+
+    @property
     def axes(self) -> tuple[Vector, ...]:
         return (self.axis,)
 

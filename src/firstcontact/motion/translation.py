@@ -70,6 +70,7 @@ class Translation(Motion):
     __slots__ = ("vector",)
     span = SPAN
     extends = True
+    is_one_step = True
 
     def __init__(self, vector: Iterable[Given]) -> None:
         self.vector = vector3(vector, "Translation vector")

@@ -57,6 +57,11 @@ class Motion(Written):
         return False
 
     @property
+    def is_one_step(self) -> bool:
+        """Whether it is known to go on in one way all the time, and to be none of a plainer kind."""
+        return False
+
+    @property
     def axes(self) -> tuple[Vector, ...] | None:
         """The directions of the axes about which it turns, by whatever angles; None where they are not told."""
         return None
