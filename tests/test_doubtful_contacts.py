@@ -6,9 +6,14 @@ import math
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
+from firstcontact.contact.polyhedra import intervals
+from firstcontact.contact.polyhedra.doubts import Doubt, settled
+from firstcontact.exact.numbers import Undecidable
+from firstcontact.exact.times.instants import RationalInstant
 
 CUBE = fc.examples.box((1, 1, 1))
 AXIS = (0, 0, 1)
@@ -181,3 +186,29 @@ def test_a_coupler_that_is_inside_a_wall_for_a_while():
     ((start, end),) = ends(found)
     assert found.status is fc.Status.CONTACT and is_around(start, 0.2) and is_around(end, 1.0)
     assert end[1] - end[0] < 1e-12
+
+
+def test_a_gap_in_which_nothing_tells_whether_one_is_inside_is_open(monkeypatch):
+    def untold(*_):
+        raise Undecidable
+
+    block = blocks(((-3, -3, 3), (3, 3, 8)), ((49, 49, 49), (51, 51, 51)))
+    whole = fc.contact_intervals(octahedron_under_screw(), block)
+    assert whole.status is fc.Status.CONTACT and is_around(ends(whole)[0][1], 17 / 80)
+    monkeypatch.setattr(intervals, "contained_at", untold)
+    found = fc.contact_intervals(octahedron_under_screw(), block)
+    assert found.status is fc.Status.UNDECIDED and found.free_until <= 1 / 16 and not len(found)  # before it there is one
+
+
+def test_a_long_doubt_between_two_contacts_leaves_it_open_and_a_short_one_joins_them():
+    def times(*pairs):
+        return [tuple(RationalInstant(fmpq(x)) for x in pair) for pair in pairs]
+
+    one = fmpq(1)
+    two = times((0, fmpq(1, 4)), (fmpq(1, 2), fmpq(3, 4)))
+    windows, open_from = settled(two, [Doubt(fmpq(1, 4), fmpq(1, 2), True)], one)
+    assert [(x.value, y.value) for x, y in windows] == [(0, fmpq(1, 4))] and open_from == fmpq(1, 4)
+    after = fmpq(1, 4) + fmpq(1, 10**15)
+    short = times((0, fmpq(1, 4)), (after, fmpq(3, 4)))
+    windows, open_from = settled(short, [Doubt(fmpq(1, 4), after, False)], one)
+    assert [(x.value, y.value) for x, y in windows] == [(0, fmpq(3, 4))] and open_from is None

@@ -123,3 +123,21 @@ def test_solids_whose_common_part_is_too_thin_to_be_traced_are_left_undecided():
     found = fc.contact_intervals(plate, ball)
     assert found.status is fc.Status.UNDECIDED or found.intervals[0].start_interval[0] <= 0.25
     assert fc.first_contact(plate, ball).time == 0.25
+
+
+def test_what_may_last_and_is_left_open_is_not_taken_for_apart(monkeypatch):
+    """A pin that turns in a bore of its own radius: one surface slides in the other, which no root tells."""
+    pin, plate = fc.cylinder(1, 2), fc.box((6, 6, 2)) - fc.cylinder(1, 4)
+    turning = pin.moving(fc.Rotation((0, 0, 1), turns=1))
+    assert fc.contact_intervals(turning, plate, method="algebraic").status is fc.Status.INITIAL_CONTACT
+    whole = algorithm._validated
+
+    def validated(candidate):
+        if candidate.subproblem.equation.may_hold_always:
+            raise Undecidable
+        return whole(candidate)
+
+    monkeypatch.setattr(algorithm, "_validated", validated)
+    assert fc.contact_intervals(turning, plate).status is fc.Status.UNDECIDED
+    with pytest.raises(fc.UnsupportedPair, match="not proved whether they touch"):
+        fc.contact_intervals(turning, plate, method="algebraic")
