@@ -197,7 +197,7 @@ def test_a_gap_in_which_nothing_tells_whether_one_is_inside_is_open(monkeypatch)
     assert whole.status is fc.Status.CONTACT and is_around(ends(whole)[0][1], 17 / 80)
     monkeypatch.setattr(intervals, "contained_at", untold)
     found = fc.contact_intervals(octahedron_under_screw(), block)
-    assert found.status is fc.Status.UNDECIDED and found.free_until <= 1 / 16 and not len(found)  # before it there is one
+    assert found.status is fc.Status.UNDECIDED and found.free_until <= 1 / 16 and not len(found)
 
 
 def test_a_long_doubt_between_two_contacts_leaves_it_open_and_a_short_one_joins_them():

@@ -59,3 +59,23 @@ def test_the_normal_parts_convex_bodies(kind, block):
             assert_parted(a, motion, b, hit)
             assert swapped.normal == pytest.approx(-hit.normal, abs=1e-9)
     assert met or kind in ("rotation", "screw")
+
+
+def test_corners_that_pass_each_other_are_parted_by_a_face():
+    """Both turn about one line, one 15 times as fast; a corner of the lid meets one of the sheet at 3/14 of the way, as
+    it slides in the plane of its own face: the normal pointed into the lid, across a diagonal.  From a soak."""
+    lid = fc.Polyhedron(
+        [("66/25", "-29/5", "-62/25"), ("84/25", "-21/5", "-38/25"), ("108/25", "-27/5", "-6/25"),
+         ("18/5", -7, "-6/5"), ("126/25", "-29/5", "-107/25"), ("144/25", "-21/5", "-83/25"),
+         ("168/25", "-27/5", "-51/25"), (6, -7, -3)],
+        [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+    ).moving(fc.Rotation((3, 0, 4), (3, 0, -2), turns="15/4"))  # fmt: skip
+    sheet = fc.Polyhedron([(0, 0, 3), (3, 0, 4), (3, 2, 3), (0, 2, 4)], [[0, 1, 2], [0, 2, 3]])
+    sheet = sheet.moving(fc.Rotation(("3/2", 0, 2), (3, 0, -2), turns="1/4"))
+    hit = fc.first_contact(lid, sheet)
+    assert hit.status is fc.Status.CONTACT and abs(hit.time - 3 / 14) < 1e-12
+    there = [np.array(x.motion(hit.time)) for x in (lid, sheet)]
+    corners = [np.array(x.body.vertices, float) @ p[:3, :3].T + p[:3, 3]
+               for x, p in zip((lid, sheet), there, strict=True)]  # fmt: skip
+    heights = [(c - hit.point) @ hit.normal for c in corners]  # the normal is from the sheet towards the lid
+    assert heights[0].min() > -1e-9 and heights[1].max() < 1e-9

@@ -26,7 +26,8 @@ ROUNDING = 2.0**-48
 def best_apart(
     a: Body, b: Body, time: float, pairs: list[Pair], point: np.ndarray, normals: Iterable[np.ndarray]
 ) -> np.ndarray:
-    """The first of the normals, from b towards a, into which the bodies reach least about the point; world frame.
+    """The first of the normals, from b towards a, into which the bodies reach least about the point; world frame.  One
+    that parts them the other way round is turned.
 
     pairs: those that meet, of which the bodies' elements at the point are taken.
     """
@@ -36,14 +37,17 @@ def best_apart(
     lengths = np.linalg.norm(spokes, axis=1)
     # far from the origin, doubles tell where corners are to no more than this
     near = max(NEAR, ROUNDING * float(np.abs(point).max()) / float(lengths.min(initial=np.inf)))
-    best, least = None, np.inf
+    best, least, seen = None, np.inf, list[np.ndarray]()
     for n in normals:
         reach = float((-(spokes @ n) / lengths).max(initial=0.0))
         if reach < least - near:
             best, least = n, reach
         if least <= near:
             break
+        seen.append(n)
     assert best is not None  # there is one at least
+    if least > near:  # corners that only pass each other move along a face, which does not tell its side
+        return next((-n for n in seen if float((spokes @ n / lengths).max(initial=0.0)) <= near), best)
     return best
 
 
