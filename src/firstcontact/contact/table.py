@@ -20,6 +20,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.span import refuse_late
+from firstcontact.motion.value import Motion
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.timeline.answers import as_far_as_decided
 from firstcontact.work import Query
@@ -158,7 +159,7 @@ def _is_of_one_step(query: Query) -> bool:
     What is a plainer motion, such as a screw that only turns, is asked about as that instead.
     """
     moving = [x.motion for x in query.bodies if isinstance(x, Moving)]
-    return not moving or (len(moving) == 1 and moving[0].is_one_step)
+    return not moving or (len(moving) == 1 and isinstance(moving[0], Motion) and moving[0].is_one_step)
 
 
 def _turns(query: Query) -> bool:
