@@ -5,20 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 from flint import arb, fmpq, fmpz_poly
 
 from firstcontact.body.solid.carriers import AlgebraicPoint, Conic, Line, Plane, Point, Quadric, Rows
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix, congruent, constant, product
 from firstcontact.motion.relative import projective
 from firstcontact.motion.relative.polynomial import PolynomialPiece
 
-ROOT_BITS = 128
-"""Of roots and forms that become doubles."""
 Form = tuple[Any, ...]
 """A plane as its 4-vector, a quadric as its symmetric 4x4 matrix."""
 
@@ -30,23 +27,6 @@ def is_plane(form: Form) -> bool:
 def form_at(form: Form, u: arb) -> Any:
     """The form at an enclosure of u."""
     return [c(u) for c in form] if is_plane(form) else [[c(u) for c in row] for row in form]
-
-
-class NearForms(NamedTuple):
-    """Forms of a body as symmetric matrices of doubles, for homogeneous points in lengths of `MovingPair.unit`.
-
-    matrices: (n, 4, 4), the largest entry of each 1 or -1; a plane's is half N on the last row and column, so that it
-    gives w N.X.  error: of all entries, beyond a rounding of each.
-    """
-
-    matrices: np.ndarray
-    error: float
-
-
-class Enclosed(Protocol):
-    """A root that gives balls around its place."""
-
-    def enclosure(self, bits: int) -> arb: ...
 
 
 @dataclass(frozen=True)
@@ -76,23 +56,6 @@ class MovingPair:
                 return math.ldexp(1.0, math.frexp(reach)[1])
         return 1.0
 
-    def near_forms(self, root: Enclosed) -> tuple[NearForms, NearForms]:
-        """The forms of a and b at the root, in doubles; kept for the root that was asked for last."""
-        kept = self._kept
-        if not kept or kept[0] is not root:
-            u = root.enclosure(ROOT_BITS)
-            told = [[_in_doubles(form_at(form, u), self.unit) for form in forms]
-                    for forms in (self.forms_a, self.forms_b)]  # fmt: skip
-            found = (NearForms(np.array([m for m, _ in x]).reshape(-1, 4, 4), max((e for _, e in x), default=0.0))
-                     for x in told)  # fmt: skip
-            kept[:] = [root, tuple(found)]
-        near: tuple[NearForms, NearForms] = kept[1]
-        return near
-
-    @cached_property
-    def _kept(self) -> list[Any]:
-        return []
-
     def basis(self, carrier: Line | Conic | Point | AlgebraicPoint, moving: bool) -> Matrix:
         """The parameter matrix of a curve or point in the frame of b; an algebraic point's are the powers of its s."""
         basis = constant(_powers(carrier) if isinstance(carrier, AlgebraicPoint) else carrier.basis)
@@ -104,24 +67,6 @@ def _powers(point: AlgebraicPoint) -> Rows:
     n = max(len(row) for row in point.coordinates)
     rows = (*point.coordinates, (fmpq(1),))
     return tuple((*row, *(fmpq(0),) * (n - len(row))) for row in rows)
-
-
-def _in_doubles(form: Any, unit: float) -> tuple[np.ndarray, float]:
-    """The matrix of a form, and how far its entries may be off beyond a rounding."""
-    with precision(ROOT_BITS):
-        if is_plane(form):
-            rows = [[arb(0)] * 4 for _ in range(4)]
-            for k in range(3):
-                rows[k][3] = rows[3][k] = form[k] / 2
-            rows[3][3] = form[3]
-        else:
-            rows = [list(row) for row in form]
-        units = 1.0, 1.0, 1.0, unit
-        rows = [[x / u / v for x, v in zip(row, units, strict=True)] for row, u in zip(rows, units, strict=True)]
-        largest = max(abs(x.mid()) for row in rows for x in row)
-        scaled = [[x / largest for x in row] for row in rows]
-    off = max(float(x.rad()) for row in scaled for x in row)
-    return np.array([[float(x.mid()) for x in row] for row in scaled]), off
 
 
 def _form(surface: Plane | Quadric) -> Form:

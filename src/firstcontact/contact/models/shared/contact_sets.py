@@ -18,7 +18,7 @@ import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.body.solid.csg import possible
-from firstcontact.contact.models.moving_pair import Form, MovingPair, is_plane
+from firstcontact.contact.models.moving_pair import Form, MovingPair, form_at, is_plane
 from firstcontact.contact.models.shared.held_parts import TURN, ConicPart, HeldParts, ModelForms, on_faces
 from firstcontact.contact.models.shared.membership import On, Vector, in_both
 from firstcontact.exact.fields.number_field import NumberField, QuadraticElement, ball, sign
@@ -128,12 +128,14 @@ def cartesian(x: Vector) -> np.ndarray:
 class TrimForms:
     """The forms of both models in doubles at the root, and where points lie in both."""
 
-    def __init__(self, pair: MovingPair, root: AlgebraicRoot | EnclosedRoot, on_a: On, on_b: On) -> None:
+    def __init__(self, pair: MovingPair, root: AlgebraicRoot | EnclosedRoot | EnclosedRoot, on_a: On, on_b: On) -> None:
+        u = root.enclosure(128)
         self.unit = pair.unit
         self.models: list[ModelForms] = []
-        for body, near, on in zip((pair.a, pair.b), pair.near_forms(root), (on_a, on_b), strict=True):
-            holds = np.isin(np.arange(len(near.matrices)), list(on.surfaces))
-            self.models.append(ModelForms(body.tree, near.matrices, holds, on))
+        for body, forms, on in ((pair.a, pair.forms_a, on_a), (pair.b, pair.forms_b, on_b)):
+            with precision(128):
+                matrices = np.array([_matrix(form_at(form, u), is_plane(form), pair.unit) for form in forms])
+            self.models.append(ModelForms(body.tree, matrices, np.isin(np.arange(len(forms)), list(on.surfaces)), on))
 
     def breaks(self, origin: np.ndarray, direction: np.ndarray) -> Iterator[float]:
         """Parameters s at which origin + s direction crosses a surface of either model."""
@@ -162,6 +164,21 @@ class TrimForms:
             if on.faces:
                 answer &= on_faces(tree, below, above, on)
         return answer
+
+
+def _matrix(form: Any, plane: bool, unit: float) -> np.ndarray:
+    if not plane:
+        rows = [list(row) for row in form]
+    else:
+        rows = [[arb(0)] * 4 for _ in range(4)]
+        rows[3] = [x / 2 for x in form]
+        for k in range(4):
+            rows[k][3] = rows[3][k]
+        rows[3][3] = form[3]
+    units = 1.0, 1.0, 1.0, unit
+    rows = [[x / u / v for x, v in zip(row, units, strict=True)] for row, u in zip(rows, units, strict=True)]
+    largest = max(abs(x.mid()) for row in rows for x in row)
+    return np.array([[float((x / largest).mid()) for x in row] for row in rows])
 
 
 def _segments(contact: Contact, trim: TrimForms) -> Iterator[Shared]:

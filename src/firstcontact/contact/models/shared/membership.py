@@ -6,13 +6,12 @@ from collections.abc import Collection, Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
-import numpy as np
 from flint import arb
 
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import borders, outcomes
 from firstcontact.body.solid.features import Edge, Face, Vertex
-from firstcontact.contact.models.moving_pair import Form, MovingPair, NearForms, form_at, is_plane
+from firstcontact.contact.models.moving_pair import Form, MovingPair, form_at, is_plane
 from firstcontact.contact.models.shared.dangling import is_dangling
 from firstcontact.exact.fields.number_field import NumberField, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
@@ -24,8 +23,6 @@ Vector = tuple[Any, ...]
 Root = AlgebraicRoot | EnclosedRoot
 BITS = (96, 384)
 """Precisions of the balls that decide before the field does: zeros apart, nearly all signs show at the first."""
-SLACK = 2.0**-46
-"""Of the sum of a form's terms in doubles: what rounding may change, see `PlaceOfRoot.signs_in_doubles`."""
 
 
 class On(NamedTuple):
@@ -58,12 +55,8 @@ def in_both(pair: MovingPair, x: Vector, root: Root, on_a: On, on_b: On) -> str:
     leave signs open that matter.
     """
     there = PlaceOfRoot(x, root)
-    near_a, near_b = pair.near_forms(root)
-    for body, forms, near, on, who in (
-        (pair.a, pair.forms_a, near_a, on_a, "a"), (pair.b, pair.forms_b, near_b, on_b, "b"),
-    ):  # fmt: skip
-        told = there.signs_in_doubles(near, pair.unit)
-        signs = [0 if k in on.surfaces else told[k] or there.sign(form) for k, form in enumerate(forms)]
+    for body, forms, on, who in ((pair.a, pair.forms_a, on_a, "a"), (pair.b, pair.forms_b, on_b, "b")):
+        signs = [0 if k in on.surfaces else there.sign(form) for k, form in enumerate(forms)]
         unknown = [k for k, found in enumerate(signs) if found is None]
         inside = {True in outcomes(body.tree, _with(signs, unknown, s)) for s in product((-1, 1), repeat=len(unknown))}
         if len(inside) == 2:
@@ -106,27 +99,6 @@ class PlaceOfRoot:
         self.x, self.root = x, root
         self._balls: dict[int, tuple[arb, list[arb]]] = {}
 
-    def signs_in_doubles(self, near: NearForms, unit: float) -> list[int]:
-        """Of each form its sign, or 0 where rounding hides it.
-
-        Coordinates and entries are off by a rounding each, a term by two more, their sum by fifteen: SLACK is six times
-        as much.
-        """
-        _, balls = self._at(BITS[0])
-        with precision(BITS[0]):
-            x = [*balls[:3], balls[3] * unit]
-            largest = max(abs(c.mid()) for c in x)
-            if not largest > 0:
-                return [0] * len(near.matrices)
-            scaled = [c / largest for c in x]
-        point = np.array([float(c.mid()) for c in scaled])
-        off = near.error + 4.0 * max(float(c.rad()) for c in scaled)
-        values = np.einsum("i,sij,j->s", point, near.matrices, point)
-        size = np.einsum("i,sij,j->s", np.abs(point), np.abs(near.matrices), np.abs(point))
-        sure = np.abs(values) > SLACK * size + 32.0 * off + 1e-290
-        found: list[int] = np.where(sure, np.sign(values), 0.0).astype(int).tolist()
-        return found
-
     def sign(self, form: Form) -> int | None:
         """Exact sign of N.X (times the sign of w) or X^T Q X.  None for enclosed points whose balls do not show it."""
         for bits in BITS:
@@ -149,11 +121,6 @@ class PlaceOfRoot:
         if bits not in self._balls:
             self._balls[bits] = self.root.enclosure(bits), [ball(c, bits) for c in self.x]
         return self._balls[bits]
-
-
-def sign_at(form: Form, x: Vector, root: Root) -> int | None:
-    """The sign of one form, as `PlaceOfRoot.sign` tells it."""
-    return PlaceOfRoot(x, root).sign(form)
 
 
 def form_value(form: Any, x: Sequence[arb]) -> Any:
