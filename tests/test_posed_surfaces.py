@@ -18,6 +18,7 @@ from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.search.rulings.posed_pieces import PosedPiece, in_local_time, pose_windows
 from firstcontact.search.rulings.ruled_events import RulingSearch, first_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
+from firstcontact.timeline.answers import as_far_as_decided
 from firstcontact.timeline.sweep import Certified
 from firstcontact.work import Query, Work
 
@@ -236,12 +237,26 @@ def test_polynomials_are_as_near_as_is_said():
 
 
 def test_intervals_of_pairs_and_windows_are_united():
-    """Ends that are not told apart count as one time; nothing is said of what comes after the first doubt."""
+    """Ends that are not told apart count as one time."""
     early, touching = Certified((0.1, 0.1), (0.2, 0.3)), Certified((0.25, 0.3), (0.5, 0.6))
     late = Certified((0.7, 0.7), (0.8, 0.8))
     assert posed._united([late, touching, early]) == [Certified((0.1, 0.1), (0.5, 0.6)), late]
-    assert posed._known(early, 0.4, 1.0) == early
-    assert posed._known(touching, 0.55, 1.0) == Certified((0.25, 0.3), (0.5, 1.0), True)
+
+
+def test_nothing_is_said_of_what_comes_after_the_first_doubt():
+    early, touching = (fc.ContactInterval(x[0], y[0], x, y) for x, y in (
+        ((0.1, 0.1), (0.2, 0.3)), ((0.25, 0.3), (0.5, 0.6))))  # fmt: skip
+    late = fc.ContactInterval(0.7, 0.8, (0.7, 0.7), (0.8, 0.8))
+
+    def told(*intervals, until):
+        found = fc.ContactIntervals(intervals, fc.Status.UNDECIDED, until, "precision")
+        return [(x.start_interval, x.end_interval) for x in as_far_as_decided(found)]
+
+    assert told(early, late, until=0.4) == [((0.1, 0.1), (0.2, 0.3))]
+    assert told(touching, late, until=0.55) == [((0.25, 0.3), (0.5, 1.0))]
+    assert told(touching, late, until=0.4) == [((0.25, 0.3), (0.4, 1.0))]  # beyond it nothing is told
+    whole = fc.ContactIntervals((early, late), fc.Status.CONTACT, 0.1)
+    assert as_far_as_decided(whole) is whole
 
 
 def test_what_the_polynomials_leave_out_is_counted(monkeypatch):

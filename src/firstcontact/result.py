@@ -742,6 +742,11 @@ class ContactIntervals(_NoTruth, Shown, Sequence[ContactInterval]):
     model_deviation: float | None = None
     unit: str | None = None
 
+    @classmethod
+    def free(cls, stats: Stats, a: Body, b: Body, span: tuple[float, float]) -> ContactIntervals:
+        """The proof that two bodies share no point all over the span."""
+        return cls((), Status.FREE, span[1], None, stats, a, b, span)
+
     def __len__(self) -> int:
         return len(self.intervals)
 

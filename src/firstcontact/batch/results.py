@@ -14,7 +14,7 @@ from firstcontact.batch.part import is_plain
 from firstcontact.batch.questions import asked
 from firstcontact.batch.workers import PART, Spare, is_worth_processes
 from firstcontact.errors import FirstContactError
-from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
+from firstcontact.result import ContactIntervals, FirstContact, Stats
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -49,12 +49,9 @@ def told_by_boxes(questions: Sequence[Question]) -> dict[int, Answer]:
     pairs = asked([(questions[k].a, questions[k].b) for k in able])
     found: dict[int, Answer] = {}
     for k in (able[row] for row in culling.free_by_boxes(pairs).tolist()):
-        _, last = culling.SPAN
         shared: QuestionFields = {"a": questions[k].a, "b": questions[k].b, "span": culling.SPAN}
-        if questions[k].verb != "contact_intervals":
-            found[k] = FirstContact.free(_NO_WORK, **shared)
-        else:
-            found[k] = ContactIntervals((), Status.FREE, last, **shared)
+        kind = ContactIntervals if questions[k].verb == "contact_intervals" else FirstContact
+        found[k] = kind.free(_NO_WORK, **shared)
     return found
 
 

@@ -24,7 +24,7 @@ from firstcontact.motion.placement import HERE, advanced
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.stretches import known_steps
 from firstcontact.motion.rotation import Rotation
-from firstcontact.motion.screw import Screw
+from firstcontact.motion.screw import Screw, simple
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.steps import Step
 from firstcontact.motion.trajectory import Trajectory
@@ -80,7 +80,7 @@ def asked(answer: Callable[[Query], R], query: Query) -> R:
         return answer(query)
     own = replace(query, a=a, b=b)
     straight = drift_of(a) is not None and drift_of(b) is not None
-    asked = (own, query) if straight or any(_as_no_screw(x) is not None for x in query.bodies) else (query, own)
+    asked = (own, query) if straight or any(map(_is_no_screw, query.bodies)) else (query, own)
     found = answer(asked[0])
     if found.status is Status.UNDECIDED and not query.is_spent(found.reason):
         told = answer(replace(asked[1], budget=query.budget_after(found.stats)))
@@ -93,8 +93,8 @@ def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:
     """The same over these times, moved by a Translation, Rotation or Screw; the body itself where it cannot be."""
     if not isinstance(body, Moving):
         return body
-    if (found := _as_no_screw(body)) is not None:
-        return found
+    if _is_no_screw(body):
+        return Moving(body.body, simple(body.motion))
     if not isinstance(body.motion, _OF_STEPS):
         return body
     if isinstance(body.motion, Sequence) and any(first <= t and (last is None or t <= last) for t in body.motion.jumps):
@@ -104,12 +104,9 @@ def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:
     return body if plain is None else Moving(placed(shape_of(body), plain.before, plain.key), plain.motion)
 
 
-def _as_no_screw(body: Body) -> Moving | None:
-    """The body, where it moves by a screw that only turns, or only advances, moved by that turn or shift."""
-    if not isinstance(body, Moving) or not isinstance(body.motion, Screw):
-        return None
-    reduced = body.motion.reduced()
-    return None if reduced is body.motion else Moving(body.body, reduced)
+def _is_no_screw(body: Body) -> bool:
+    """Whether it moves by a screw that only turns, or only advances."""
+    return isinstance(body, Moving) and simple(body.motion) is not body.motion
 
 
 @lru_cache(maxsize=128)

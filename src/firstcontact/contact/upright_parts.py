@@ -21,7 +21,7 @@ from firstcontact.contact.polyhedra.prisms import upright as upright_prism
 from firstcontact.contact.ways import Passed, decided
 from firstcontact.exact.vectors import Vector
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.result import ContactIntervals, Status
+from firstcontact.result import ContactIntervals
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def intervals(
     if asked is None:
         return Passed("they are no upright parts that advance along one axis")
     told = [
-        ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
+        ContactIntervals.free(query.stats(), **query.shared)
         if isinstance(other, Apart) else in_longer_span(ask(other), other, query)
         for other in asked
     ]  # fmt: skip

@@ -44,7 +44,7 @@ def as_far_as_decided(found: ContactIntervals) -> ContactIntervals:
     until, last = found.free_until, found.span[1]
     told = [x for x in found.intervals if x.start_interval[0] <= until]
     if told and told[-1].end_interval[1] >= until:
-        end = told[-1].end_interval[0]
+        end = max(told[-1].start, min(told[-1].end_interval[0], until))
         told[-1] = replace(told[-1], end=end, end_interval=(end, last), end_exact=None)
     return replace(found, intervals=tuple(told))
 

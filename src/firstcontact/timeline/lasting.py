@@ -22,6 +22,7 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import And, Leaf, Not, Tree, possible
 from firstcontact.exact.numbers import precision, to_double
 from firstcontact.exact.rigid import inverse_map, to_origin
+from firstcontact.exact.vectors import dot
 from firstcontact.kernels.poses import accelerations, pose_at
 from firstcontact.kernels.workspace import HERE_A, SPEED, SPREAD, workspace
 from firstcontact.motion.relative.stretches import Window
@@ -110,8 +111,8 @@ class LastingSolid:
             image = [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in m]
             value = x[0] * image[0] + x[1] * image[1] + x[2] * image[2] + image[3]
             if drift is not None and moved is not None:
-                value += 2 * (_dot(image, drift.offset) + drift.passed * _dot(image, drift.rate))
-                value += _dot(moved, [_dot(row, moved) for row in m[:3]])
+                value += 2 * (dot(image, drift.offset) + drift.passed * dot(image, drift.rate))
+                value += dot(moved, [dot(row, moved) for row in m[:3]])
             below.append(not value > 0)
             above.append(not value < 0)
         return not possible(self.model.tree, below, above)[1]
@@ -263,7 +264,7 @@ class Lasting(Generic[P]):
             for i in range(3)
         ]
         back = inverse_map(tuple((*row, arb(0)) for row in turned))  # type: ignore[arg-type]
-        return Drift([_dot(row, offset) for row in back], [_dot(row, rate) for row in back], passed)
+        return Drift([dot(row, offset) for row in back], [dot(row, rate) for row in back], passed)
 
     def pose(self, m: np.ndarray, t: float) -> np.ndarray:
         """The fourteen numbers of a pose: linear part, shift, and their errors."""
@@ -463,11 +464,6 @@ def descended(
         if height < 0.0 and radius < -0.2 * height:
             break
     return point, height
-
-
-def _dot(x: Sequence[Any], y: Sequence[arb]) -> arb:
-    """Of three numbers."""
-    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
 def linear(pose: np.ndarray) -> np.ndarray:

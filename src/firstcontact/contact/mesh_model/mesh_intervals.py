@@ -71,7 +71,7 @@ def _if_free(query: Query, _: None) -> ContactIntervals | Passed:
     found = first_in_doubles(query)
     if found.status is not Status.FREE:
         return Passed("not free")
-    return ContactIntervals((), Status.FREE, query.span[1], None, found.stats, **query.shared)
+    return ContactIntervals.free(found.stats, **query.shared)
 
 
 def _soon_exactly(query: Query, _: ContactIntervals | None) -> ContactIntervals | Passed:

@@ -20,7 +20,7 @@ from firstcontact.contact.ways import Passed, decided
 from firstcontact.exact.numbers import fraction
 from firstcontact.exact.vectors import Vector, cross, dot
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.result import ContactIntervals, Status
+from firstcontact.result import ContactIntervals
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def ignoring_advance(answer: Callable[[Query], ContactIntervals]) -> Callable[[Q
         if other is None:
             return answer(query)
         if isinstance(other, Apart):
-            return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
+            return ContactIntervals.free(query.stats(), **query.shared)
         found = decided(in_longer_span(answer(other), other, query), query)
         return answer(query) if isinstance(found, Passed) else found
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -48,9 +48,9 @@ QUICK_STEPS = 4000
 """Subproblems and candidates that algebra looks at before doubles are asked for intervals: a second at most.
 Systems of four equations take longer than doubles do."""
 QUICK_FIRST = 400
-"""The same of a first contact: a twentieth of a second."""
+"""The same of a first contact that strides leave open: a twentieth of a second."""
 FEW_PAIRS = 100
-"""Of surfaces."""
+"""Of surfaces, of which algebra is asked then."""
 SURELY = 2.0**-30
 """Of a body's size: by how much it is made smaller and larger to see whether rounded poses tell how it starts."""
 
@@ -63,6 +63,7 @@ def first(query: Query) -> FirstContact:
     """
     models = _models(query)
     strides = query.is_auto and query.budget is None  # alone, at first
+    near = cache(partial(both_bounded, models, query.span))
     seen: FirstContact | None = None  # the contact that doubles prove, though not all that is shared
 
     def in_doubles(close_up: bool, query: Query, _: Advance | None) -> FirstContact | Passed:
@@ -77,9 +78,6 @@ def first(query: Query) -> FirstContact:
         if proved.status == "open" and query.is_enough(proved.free_until):
             return _undecided(query, proved, "precision")
         return Passed(proved.reason or proved.status, proved)
-
-    def near() -> tuple[Model, Model]:
-        return both_bounded(models, query.span)
 
     def at_last_instant(query: Query, proved: Advance) -> FirstContact | Passed:
         landed = _landed(query, *models, proved)
@@ -131,14 +129,11 @@ def _start(query: Query, models: tuple[Model, Model], proved: Advance) -> FirstC
     )  # fmt: skip
     asked = replace(query, budget=None, progress=None)
 
-    def exactly(query: Query, _: None) -> FirstContact | Passed:
-        return _exactly(query, proved)
+    def told() -> FirstContact:
+        exactly = tried(partial(_exactly, asked, proved))
+        return _proved_only(asked, models, proved) if isinstance(exactly, Passed) else exactly
 
-    def as_proved(query: Query, _: None) -> FirstContact:
-        return _proved_only(query, models, proved)
-
-    ways: list[Way[FirstContact]] = [Way("exactly", exactly), Way("what doubles proved", as_proved)]
-    return told_later(found, lambda: answered(ways, asked))
+    return told_later(found, told)
 
 
 def _has_a_later_instant(query: Query, proved: Advance | None) -> bool:
@@ -365,7 +360,7 @@ def intervals(query: Query) -> ContactIntervals:
         free_until = seen.free_until
         if seen.status != "free":
             return Passed("not free")
-        return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
+        return ContactIntervals.free(query.stats(), **query.shared)
 
     def soon_decided(query: Query, _: None) -> ContactIntervals | Passed:
         return decided(by_algebra(query, work(query.limited(QUICK_STEPS))), query)

@@ -136,7 +136,7 @@ def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
     if other is None:
         return Passed("they are no prisms that move in one plane, nor is one on the other")
     if isinstance(other, Apart):
-        return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
+        return ContactIntervals.free(query.stats(), **query.shared)
     return decided(in_longer_span(_contact_intervals(other), other, query), query)
 
 

@@ -92,7 +92,8 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
             windows, open_from = _settled(problem, items, doubts)
             until = None if open_from is None else below(open_from)
             if problem.a.solid or problem.b.solid:
-                windows, until = _with_containment(problem, windows, open_from)
+                windows, untold = _with_containment(problem, windows, open_from)
+                until = until if untold is None else untold
             answer.windows = windows
             if until is not None:
                 answer.open, answer.until = "precision", until
@@ -277,10 +278,9 @@ def _with_containment(
     problem: Problem, windows: list[Window], open_from: fmpq | None
 ) -> tuple[list[Window], float | None]:
     """(the disjoint windows and those gaps between them in which a body lies inside the other, before what is open;
-    from when on that is, None: nowhere).
+    the start of the first gap of which that is not told, before which these are, or None).
 
-    The surfaces share no point in a gap, so one time in it decides the whole gap; if that is not told, it is open from
-    there.
+    The surfaces share no point in a gap, so one time in it decides the whole gap.
     """
     begin = problem.start_instant()
     end: Any = problem.end_instant() if open_from is None else RationalInstant(open_from)
@@ -297,7 +297,7 @@ def _with_containment(
             out = [*out[:-1], (out[-1][0] if out else left, right)]
         if k < len(windows):  # whose end may be None: never
             out = [*out[:-1], (out[-1][0], after[1])] if inside else [*out, after]
-    return out, None if open_from is None else below(open_from)
+    return out, None
 
 
 def _is_gap(problem: Problem, left: Any, right: Any) -> bool:

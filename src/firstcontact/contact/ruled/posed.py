@@ -150,8 +150,7 @@ def _intervals(query: Query, work: Work) -> ContactIntervals:
         intervals = _united([*intervals, *(x for own in found for x in own.intervals)])
         stopped = min((own for own in found if own.reason is not None), key=lambda own: own.until, default=None)
         if stopped is not None:
-            known = tuple(_known(x, stopped.until, last) for x in intervals if x.start[1] <= stopped.until)
-            return proved_intervals(Found(known, stopped.until, stopped.reason), work, query)
+            return proved_intervals(Found(tuple(intervals), stopped.until, stopped.reason), work, query)
     return proved_intervals(Found(tuple(intervals), last, None), work, query)
 
 
@@ -178,11 +177,6 @@ def _united(intervals: list[Certified]) -> list[Certified]:
         else:
             found.append(x)
     return found
-
-
-def _known(x: Certified, until: float, last: float) -> Certified:
-    """What is known of an interval where nothing is proved from a time on."""
-    return x if x.end[1] < until else Certified(x.start, (min(x.end[0], until), last), True)
 
 
 def _undecided(until: float, reason: str, work: Work, query: Query) -> FirstContact:

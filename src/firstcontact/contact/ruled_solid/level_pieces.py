@@ -93,7 +93,7 @@ def intervals_of_level(answer: Intervals) -> Intervals:
     def asked(query: Query) -> ContactIntervals:
         other = _without_advance(query)
         if isinstance(other, Apart):
-            return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
+            return ContactIntervals.free(query.stats(), **query.shared)
         found = None if other is None else tried(lambda: decided(in_longer_span(answer(other), other, query), query))
         return answer(query) if found is None or isinstance(found, Passed) else found
 
