@@ -103,3 +103,58 @@ def agreeing_parts(a, b, span, method, budgets):
         before = [y for y in whole if y.start_interval[1] < until - 1e-9]
         assert all(any(meets(x.start_interval, y.start_interval) for x in part) for y in before), (budget, until)
     return len(budgets)
+
+
+LEGS = np.array([(5, 0, 0), (5, 0, F(1, 4)), (-5, 0, F(1, 4)), (-5, 0, 0), (5, F(1, 4), 0), (5, 0, -1)], float)
+"""Of a path that crosses the middle three times, in six equal parts of the time; every second one ends in contact."""
+
+
+def crossings(gap, begin):
+    """[(start, end)] of the times at which `gap` of the middle is not positive along the path from there, by halving
+    between samples that tell them apart."""
+    corners = begin + np.vstack([np.zeros(3), np.cumsum(LEGS, axis=0)])
+
+    def at(t):
+        k = min(int(len(LEGS) * t), len(LEGS) - 1)
+        return gap(corners[k] + (len(LEGS) * t - k) * LEGS[k])
+
+    times = np.linspace(0.0, 1.0, 1801)
+    signs = [at(t) <= 0.0 for t in times]
+    ends = []
+    for k in np.flatnonzero(np.diff(signs)):
+        lo, hi = times[k], times[k + 1]
+        for _ in range(60):
+            middle = 0.5 * (lo + hi)
+            lo, hi = (middle, hi) if (at(middle) <= 0.0) == signs[k] else (lo, middle)
+        ends.append(hi)
+    return list(zip(ends[::2], ends[1::2], strict=True))
+
+
+BOTH = {
+    "balls": (BALL, fc.sphere(1), lambda c: np.linalg.norm(c) - 1.5),
+    "boxes": (fc.examples.box((1, 1, 1)), fc.examples.box((2, 2, 2)), lambda c: np.abs(c).max() - 1.5),
+    "a ball and a box": (BALL, fc.examples.box((2, 2, 2)),
+                         lambda c: np.linalg.norm(np.maximum(np.abs(c) - 1.0, 0.0)) - 0.5),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["auto", "certified", "algebraic"])
+@pytest.mark.parametrize("pair", list(BOTH))
+def test_parts_of_an_answer_are_those_of_a_formula(pair, method):
+    moving, other, gap = BOTH[pair]
+    begin = (-5, F(1, 8), F(1, 16))
+    steps = [fc.Translation([F(x) for x in leg]) for leg in LEGS.tolist()]
+    body = moving.translated(begin).moving(fc.Sequence(steps, [F(1, len(steps))] * len(steps)))
+    truth = crossings(gap, np.array(begin, float))
+    assert len(truth) == 3
+    undecided = 0
+    for budget in [*BUDGETS[:: 9 if method == "certified" else 3], None]:
+        part = fc.contact_intervals(body, other, method=method, budget=budget)
+        until = part.free_until if part.status is fc.Status.UNDECIDED else part.span[1]
+        undecided += part.status is fc.Status.UNDECIDED
+        started = [x for x in truth if x[0] < until - 1e-9]
+        assert len(started) <= len(part) <= sum(x[0] < until + 1e-9 for x in truth), (budget, until)
+        for x, (start, end) in zip(part, truth, strict=False):
+            assert x.start_interval[0] - 1e-12 <= start <= x.start_interval[1] + 1e-12, (budget, until)
+            assert x.end_interval[0] - 1e-12 <= end <= x.end_interval[1] + 1e-12, (budget, until)
+    assert undecided
