@@ -70,19 +70,24 @@ class OwnTip(NamedTuple):
 
 
 class Drift(NamedTuple):
-    """Where a point of one body comes to in the frame of the other one, from a point near it: by offset + passed rate,
-    at all times of a stretch.
-
-    passed: the time since it began.
+    """Where a point of one body comes to in the frame of the other one, from a point x near it: by offset + passed rate,
+    where the time passed goes from 0 to the length of a stretch.
     """
 
     offset: list[arb]
     rate: list[arb]
-    passed: arb
+    length: arb
 
     @property
     def moved(self) -> list[arb]:
-        return [x + self.passed * v for x, v in zip(self.offset, self.rate, strict=True)]
+        passed = arb(0).union(self.length)
+        return [v + passed * w for v, w in zip(self.offset, self.rate, strict=True)]
+
+    def on_form(self, m: Sequence[Sequence[arb]], image: Sequence[arb], value: arb) -> tuple[arb, arb, arb]:
+        """A quadratic form there, by powers of the time passed; image, value: M x and x^T M x."""
+        off, rate = ([dot(row, x) for row in m[:3]] for x in (self.offset, self.rate))
+        constant = value + 2 * dot(image, self.offset) + dot(self.offset, off)
+        return constant, 2 * (dot(image, self.rate) + dot(self.rate, off)), dot(self.rate, rate)
 
 
 class LastingSolid:
@@ -106,15 +111,16 @@ class LastingSolid:
     def holds(self, x: Sequence[arb], drift: Drift | None = None) -> bool:
         """Whether the model holds x (in its frame), and all points to which that drifts."""
         below, above = [], []
-        moved = None if drift is None else drift.moved
         for m in self.exact:
             image = [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in m]
             value = x[0] * image[0] + x[1] * image[1] + x[2] * image[2] + image[3]
-            if drift is not None and moved is not None:
-                value += 2 * (dot(image, drift.offset) + drift.passed * dot(image, drift.rate))
-                value += dot(moved, [dot(row, moved) for row in m[:3]])
-            below.append(not value > 0)
-            above.append(not value < 0)
+            if drift is None:
+                below.append(not value > 0)
+                above.append(not value < 0)
+            else:
+                parts = drift.on_form(m, image, value)
+                below.append(not is_negative(*(-c for c in parts), drift.length))
+                above.append(not is_negative(*parts, drift.length))
         return not possible(self.model.tree, below, above)[1]
 
     def placed(self, linear: np.ndarray, shift: np.ndarray) -> np.ndarray:
@@ -254,7 +260,7 @@ class Lasting(Generic[P]):
         q_speed, q_spread = self._speeds(other, t, end)
         z = [arb(c) for c in y.tolist()]
         length = arb(end) - arb(t)
-        passed = length / 2 + arb(0, 1) * length / 2
+        passed = arb(0).union(length)
         offset, rate = [], []
         for i in range(3):
             offset.append(_image(p, p[12], p[13], i, x) - _image(q, q[12], q[13], i, z))
@@ -264,7 +270,7 @@ class Lasting(Generic[P]):
             for i in range(3)
         ]
         back = inverse_map(tuple((*row, arb(0)) for row in turned))  # type: ignore[arg-type]
-        return Drift([dot(row, offset) for row in back], [dot(row, rate) for row in back], passed)
+        return Drift([dot(row, offset) for row in back], [dot(row, rate) for row in back], length)
 
     def pose(self, m: np.ndarray, t: float) -> np.ndarray:
         """The fourteen numbers of a pose: linear part, shift, and their errors."""
@@ -464,6 +470,17 @@ def descended(
         if height < 0.0 and radius < -0.2 * height:
             break
     return point, height
+
+
+def is_negative(constant: arb, first: arb, second: arb, length: arb) -> bool:
+    """Whether constant + first s + second s^2 is proved negative for all s in [0, length], and all that may depend on
+    s within these balls."""
+    c, b, a = constant.upper(), first.upper(), second.upper()  # s is not negative: the form of these is above all
+    if not (c < 0 and c + length * (b + length * a) < 0):
+        return False
+    if a >= 0 or b <= 0 or b + 2 * length * a >= 0:  # it is highest at an end
+        return True
+    return bool(b * b < 4 * a * c)
 
 
 def linear(pose: np.ndarray) -> np.ndarray:

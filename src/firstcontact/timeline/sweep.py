@@ -22,8 +22,12 @@ from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.close_up import Passage
 from firstcontact.work import Spent, Work
 
-LEAST_AHEAD, LEAST_BACK = 1e-3, 1e-6
-"""Parts of the longest step below which proofs of lasting contact give up: towards its end, and from there back."""
+AHEAD = (0.3, 0.3), (1e-3, 1e-4)
+"""(Part of the longest step below which a proof of lasting contact gives up, part of the time passed in contact that
+the first look ahead is from there).  Contact is told quickly back from where it is lost, so the end is sought soon;
+what that does not settle is asked in small steps."""
+LEAST_BACK = 1e-6
+"""As the first of them, from the end of contact back."""
 MOST_TURNS = 20
 """Stretches of one contact followed one after the other in one window before the rest is left open."""
 MOST_PACES, SLOWLY = 1000, 4
@@ -367,18 +371,20 @@ class TimeSweep(Generic[W]):
         self.turns += 1
         if self.turns > self.most_turns:
             raise Unproved(t)
-        t, point = self.lasting.until(window, t, window.last, point, LEAST_AHEAD, self._follows)
-        self.reached = t
-        if t >= window.last:
-            return t, point
-        try:
-            return self._left(window, t, point)
-        except Unproved:
-            return self._finer(window, t)
+        for least, share in AHEAD:
+            t, point = self.lasting.until(window, t, window.last, point, least, self._follows)
+            self.reached = t
+            if t >= window.last:
+                return t, point
+            try:
+                return self._left(window, t, point, share)
+            except Unproved:
+                continue
+        return self._finer(window, t)
 
-    def _left(self, window: W, t: float, point: np.ndarray) -> tuple[float, np.ndarray | None]:
-        """As `_leave`, from t where contact is not proved to last."""
-        for later in self._ahead(window, t):
+    def _left(self, window: W, t: float, point: np.ndarray, share: float) -> tuple[float, np.ndarray | None]:
+        """As `_leave`, from t where contact is not proved to last; share: of the time passed, to look ahead."""
+        for later in self._ahead(window, t, share):
             self._step()
             if self.free.at(window, later):
                 return self._back(window, t, later)
@@ -390,10 +396,10 @@ class TimeSweep(Generic[W]):
                 return (later, there) if gap is None else self._back(window, t, gap)
         raise Unproved(t)
 
-    def _ahead(self, window: W, t: float) -> Iterator[float]:
+    def _ahead(self, window: W, t: float, share: float) -> Iterator[float]:
         """Times after t, ever farther apart, up to the window's end."""
         passed = t - (self.start[1] if self.start is not None else t)
-        step = max(0.5 * self.width, 8.0 * math.ulp(t), 1e-4 * passed)  # in few turns, however little each proves
+        step = max(0.5 * self.width, 8.0 * math.ulp(t), share * passed)  # in few turns, however little each proves
         while t + step < window.last:
             yield t + step
             step *= 2.0

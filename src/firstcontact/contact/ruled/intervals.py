@@ -273,8 +273,8 @@ class _RuledSweep(TimeSweep[TimeWay]):
             raise Unproved(self.reached)
         super()._step(worth)
 
-    def _ahead(self, way: TimeWay, t: float) -> Iterator[float]:
-        return (x for x in super()._ahead(way, t) if x - t >= AHEAD * self.pair.span or x == way.last)
+    def _ahead(self, way: TimeWay, t: float, share: float) -> Iterator[float]:
+        return (x for x in super()._ahead(way, t, share) if x - t >= AHEAD * self.pair.span or x == way.last)
 
     def _mirrored(self, way: TimeWay) -> TimeWay:
         return TimeWay(-way.last, -way.first, -math.nextafter(way.first, math.inf), not way.backwards)
