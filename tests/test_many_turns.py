@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import firstcontact as fc
@@ -138,3 +140,13 @@ def test_a_surface_that_rises_while_it_turns_does_not_come_round():
     rising, ceiling = fc.RuledSurface("(1,u,2*T)", "(2,u,2*T)"), fc.box((10, 10, 1)).translated((0, 0, "3/2"))
     hit = fc.first_contact(rising.moving(fc.Rotation((0, 0, 1), turns=3)), ceiling)
     assert hit.status is Status.CONTACT and hit.time == 0.5
+
+
+def test_bodies_that_turn_often_together_and_less_than_once_about_each_other():
+    """In the frame of the tube the point makes three quarters of a turn.  From a soak: it raised a ValueError."""
+    axis = {"axis": (0, 0, 1), "turns": -1.5}
+    point = fc.Polyhedron([(3, 0, 0)], [])
+    tube = fc.cylinder(1, 4).translated((0, 3, 0))
+    (told,) = fc.contact_intervals(point.moving(fc.Rotation(**axis)), tube.moving(fc.Rotation((0, 0, 1), turns=-0.75)))
+    half = math.asin(1 / 6) / math.pi  # of the turn, as the chord from the point to the tube's axis is 1
+    assert (told.start, told.end) == pytest.approx([(0.75 - half) / 0.75, 1.0])

@@ -79,3 +79,16 @@ def test_corners_that_pass_each_other_are_parted_by_a_face():
                for x, p in zip((lid, sheet), there, strict=True)]  # fmt: skip
     heights = [(c - hit.point) @ hit.normal for c in corners]  # the normal is from the sheet towards the lid
     assert heights[0].min() > -1e-9 and heights[1].max() < 1e-9
+
+
+def test_a_ridge_that_comes_down_on_a_point_from_inside_is_not_turned():
+    """The point meets the roof's ridge from below: no plane parts them, and the way tells the side.  From a soak."""
+    roof = fc.Polyhedron([(0, 0, 0), (2, 0, -1), (2, 2, 0), (0, 2, -1)], [[0, 1, 2], [0, 2, 3]])
+    way = np.array([-10, -2, -8])
+    for dots in ([(1, 1, 0)], [(1, 1, 0), (-2, 1, -4), (1, 2, 0)]):
+        points = fc.Polyhedron(np.array(dots) + 4 * way, [])
+        hit = fc.first_contact(roof.moving(fc.Translation(way.tolist())), points, (0, 8))
+        assert hit.time == 4 and hit.multiplicity == 2
+        assert hit.normal @ way < 0
+        swapped = fc.first_contact(points, roof.moving(fc.Translation(way.tolist())), (0, 8))
+        assert swapped.normal == pytest.approx(-hit.normal)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import firstcontact as fc
 
@@ -80,3 +82,30 @@ def test_few_questions_are_asked_of_what_slides_in_one_another(monkeypatch):
 def test_the_quicker_way_is_asked_first(scene, way):
     told = fc.contact_intervals(*SCENES[scene][:2])
     assert [x.way for x in told.stats.ways] == ["in doubles, if free", way]
+
+
+def test_a_ball_on_forty_turns_of_a_screw_beside_a_box():
+    """The truth: the distance of the ball's middle from the box, in closed form.  26 contacts, of 20 steps each."""
+    ball, box = fc.sphere("1/2").translated((2, 0, 0)), fc.box((1, 1, 1)).translated((0, 2, 2))
+
+    def gap(t):
+        turn = 80 * np.pi * t
+        away = np.array([2 * np.cos(turn), 2 * np.sin(turn) - 2, 3 * t - 2])
+        return np.linalg.norm(np.maximum(np.abs(away) - 0.5, 0.0)) - 0.5
+
+    times = np.linspace(0, 1, 40001)
+    gaps = np.array([gap(t) for t in times])
+    events = [brentq(gap, *times[k : k + 2], xtol=1e-15) for k in np.flatnonzero(gaps[1:] * gaps[:-1] < 0)]
+    told = fc.contact_intervals(ball.moving(fc.Screw(Z, turns=40, advance=3)), box)
+    assert [x for y in told for x in (y.start, y.end)] == pytest.approx(events, abs=1e-12)
+    assert len(told) == 26
+    assert told.stats.node_visits < 800  # 2,000 before
+
+
+def test_what_lasts_from_step_to_step_is_proved_by_the_point_at_hand():
+    """Doubles are asked first along many steps: algebra looks at each anew, which took 27 s of 3,000 steps."""
+    steps = [fc.Rotation(Z if k % 2 else (1, 0, 0), degrees=3) for k in range(30)]
+    told = fc.contact_intervals(BALL.moving(fc.Sequence(steps)), fc.cylinder("1/2", 3).translated((1, 0, 0)))
+    assert [(x.start, x.end) for x in told] == [(0, 1)]
+    assert [x.way for x in told.stats.ways][-1] == "in doubles"
+    assert told.stats.node_visits < 200

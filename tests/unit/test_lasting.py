@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
-from flint import fmpq
+from flint import arb, fmpq
 
 import firstcontact as fc
 from amount import amount
 from firstcontact.body.solid import primitives
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import windows
-from firstcontact.timeline.lasting import LastingOfModels, LastingSolid
+from firstcontact.timeline.lasting import LastingOfModels, LastingSolid, is_negative
 
 SHAPES = {
     "ball": (primitives.sphere(1), lambda x: np.linalg.norm(x, axis=-1) - 1.0),
@@ -84,3 +86,38 @@ def test_a_point_that_slides_leaves_what_is_round():
     x = np.array([0.0, 0.0, 1 - 5e-10])
     assert lasting.stays(window, 0.0, 8e-6, 0, x)
     assert not lasting.stays(window, 0.0, 1.2e-5, 0, x)
+
+
+def test_quadratics_are_told_negative_over_a_stretch_if_and_only_if_they_are():
+    """The truth by Fractions: at the ends, and at the vertex where that is between."""
+    rng, told = np.random.default_rng(281128), 0
+    for _ in range(amount(20000, 20)):
+        c, b, a = (Fraction(int(n), 4) for n in rng.integers(-9, 10, 3))
+        length = Fraction(int(rng.integers(1, 13)), 4)
+        places = [Fraction(0), length, *([-b / (2 * a)] if a and 0 < -b / (2 * a) < length else [])]
+        truth = all(c + b * s + a * s * s < 0 for s in places)
+        assert is_negative(*(arb(float(x)) for x in (c, b, a, length))) == truth, (c, b, a, length)
+        told += truth
+    assert told > 100
+
+
+def test_quadratics_in_balls_are_negative_for_all_their_members():
+    rng, told = np.random.default_rng(281129), 0
+    for _ in range(amount(8000, 8)):
+        middles, radii = rng.uniform(-3, 3, 3), 10.0 ** rng.uniform(-3, 0, 3)
+        if not is_negative(*(arb(m, r) for m, r in zip(middles, radii, strict=True)), arb(2)):
+            continue
+        told += 1
+        s = np.linspace(0, 2, 41)
+        for _ in range(20):  # other members at every time
+            c, b, a = middles[:, None] + radii[:, None] * rng.uniform(-1, 1, (3, 41))
+            assert np.all(c + b * s + a * s * s < 0.0)
+    assert told > 10
+
+
+def test_a_step_goes_as_far_as_the_way_is_nearly_straight():
+    """From a depth of 1e-12 on: half way through the ball at once, the square of which is far more than the depth."""
+    a, b = fc.sphere(1).translated((-3, 0, 0)).moving(fc.Translation((4, 0, 0))), fc.box((2, 2, 2))
+    lasting, window = pair(a, b)
+    t = 0.25 + 1e-12
+    assert lasting.stays(window, t, 0.5, 1, np.array([-1.0 + 1e-12, 0.0, 0.0]))

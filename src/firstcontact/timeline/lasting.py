@@ -11,7 +11,7 @@ more than that.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import product
+from itertools import chain, product
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -70,8 +70,8 @@ class OwnTip(NamedTuple):
 
 
 class Drift(NamedTuple):
-    """Where a point of one body comes to in the frame of the other one, from a point x near it: by offset + passed rate,
-    where the time passed goes from 0 to the length of a stretch.
+    """Where a point of one body comes to in the frame of the other one, from a point x near it: by offset + passed
+    rate, where the time passed goes from 0 to the length of a stretch.
     """
 
     offset: list[arb]
@@ -118,9 +118,9 @@ class LastingSolid:
                 below.append(not value > 0)
                 above.append(not value < 0)
             else:
-                parts = drift.on_form(m, image, value)
-                below.append(not is_negative(*(-c for c in parts), drift.length))
-                above.append(not is_negative(*parts, drift.length))
+                c, b, a = drift.on_form(m, image, value)
+                below.append(not is_negative(-c, -b, -a, drift.length))
+                above.append(not is_negative(c, b, a, drift.length))
         return not possible(self.model.tree, below, above)[1]
 
     def placed(self, linear: np.ndarray, shift: np.ndarray) -> np.ndarray:
@@ -197,6 +197,10 @@ class Lasting(Generic[P]):
         if found is not None:
             yield found
 
+    def at_hand(self, window: Window, t: float, place: np.ndarray) -> Iterator[P]:
+        """The point at that place as it is, if that can be followed: no search for a deeper one, which takes longer."""
+        return iter(())
+
     def follow(self, window: Window, t: float, end: float, point: P) -> np.ndarray | None:
         """Where the point comes to, if it is proved to be in both bodies over [t, end]."""
         raise NotImplementedError
@@ -217,6 +221,12 @@ class Lasting(Generic[P]):
         found = self.held(window, t, seeds)
         return None if found is None else self.place(window, t, found)
 
+    def kept(self, window: Window, t: float, place: np.ndarray) -> np.ndarray | None:
+        """The place itself where that can be followed, else as `deepest`."""
+        if next(self.at_hand(window, t, place), None) is not None:
+            return place
+        return self.deepest(window, t, [place])
+
     def until(
         self, window: Window, t: float, end: float, point: np.ndarray, least: float, step: Callable[[], None]
     ) -> tuple[float, np.ndarray]:
@@ -231,7 +241,7 @@ class Lasting(Generic[P]):
                 break
             step()
             known: list[P] = []
-            more = self.each_held(window, t, [point])
+            more = chain(self.at_hand(window, t, point), self.each_held(window, t, [point]))
             length = min(length, end - t)
             while True:
                 shortest = max(least * longest, 4.0 * (np.nextafter(abs(t), np.inf) - abs(t)))
@@ -307,6 +317,10 @@ class LastingOfModels(Lasting["np.ndarray | OwnTip"]):
                 p, q = self.pose(m, t), self.pose(m, end)
                 return linear(q) @ np.linalg.solve(linear(p), point - p[9:12]) + q[9:12]
         return None
+
+    def at_hand(self, window: Window, t: float, place: np.ndarray) -> Iterator[np.ndarray | OwnTip]:
+        if self.is_shared(window, t, place):
+            yield place
 
     def place(self, window: Window, t: float, point: np.ndarray | OwnTip) -> np.ndarray:
         if not isinstance(point, OwnTip):

@@ -134,6 +134,8 @@ class Following(Protocol[V]):
 
     def deepest(self, window: V, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None: ...
 
+    def kept(self, window: V, t: float, place: np.ndarray) -> np.ndarray | None: ...
+
     def anywhere(self, window: V, t: float) -> np.ndarray | None: ...
 
     def until(
@@ -256,7 +258,7 @@ class TimeSweep(Generic[W]):
 
     def _at_start(self, window: W, point: np.ndarray | None, is_first: bool) -> np.ndarray:
         t = window.first
-        found = self.lasting.deepest(window, t, [point]) if point is not None else None
+        found = self.lasting.kept(window, t, point) if point is not None else None
         if found is None:
             found = self.lasting.anywhere(window, t)
         if found is not None:

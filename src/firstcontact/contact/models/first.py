@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, partial
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,6 +35,7 @@ from firstcontact.exact.numbers import above, below, fraction, simplest, to_doub
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.motion.relative.polynomial import relative_pieces
+from firstcontact.motion.steps import steps_of
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.search.convex.convex import is_of_pieces
@@ -51,6 +53,8 @@ QUICK_FIRST = 400
 """The same of a first contact that strides leave open: a twentieth of a second."""
 FEW_PAIRS = 100
 """Of surfaces, of which algebra is asked then."""
+FEW_STEPS = 8
+"""Of a way, of which algebra is asked before balls."""
 SURELY = 2.0**-30
 """Of a body's size: by how much it is made smaller and larger to see whether rounded poses tell how it starts."""
 
@@ -377,12 +381,19 @@ def intervals(query: Query) -> ContactIntervals:
 
     return answered([
         Way("in doubles, if free", if_free, lambda query, _: not query.is_algebraic and query.budget is None),
-        Way("soon exactly", soon_decided, lambda query, _: query.is_auto and not any(map(needs_systems, models))),
+        Way("soon exactly", soon_decided, lambda query, _: query.is_auto and _may_soon_be_listed(query, models)),
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", lambda query, _: by_algebra(query, work(query)), lambda query, _: not query.is_certified),
         Way("as polyhedra", _intervals_as_polyhedra, lambda query, _: not query.is_algebraic),
         Way("by upright parts", partial(upright_parts.intervals, ask=intervals), upright_parts.may_be_asked),
     ], query)  # fmt: skip
+
+
+def _may_soon_be_listed(query: Query, models: tuple[Model, Model]) -> bool:
+    """Whether algebra is asked before balls: it looks at every step of a long way anew."""
+    steps = (steps_of(x.motion) for x in query.bodies if isinstance(x, Moving))
+    is_long = any(next(islice(own, FEW_STEPS, None), None) is not None for own in steps)
+    return not is_long and not any(map(needs_systems, models))
 
 
 def _at_little_cost(query: Query, models: tuple[Model, Model]) -> Advance:

@@ -5,7 +5,7 @@ A vertex that lands on a corner touches all faces there, and the plane of a face
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,7 @@ from firstcontact.search.trees.elements import FACE, Feature, vertices_of
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
 
 # Of the size of what is near a place: as close as doubles tell what lies at it, and of unit vectors.
 NEAR = 1e-9
@@ -26,38 +27,66 @@ ROUNDING = 2.0**-48
 def best_apart(
     a: Body, b: Body, time: float, pairs: list[Pair], point: np.ndarray, normals: Iterable[np.ndarray]
 ) -> np.ndarray:
-    """The first of the normals, from b towards a, into which the bodies reach least about the point; world frame.  One
-    that parts them the other way round is turned.
+    """The first of the normals, from b towards a, into which the bodies reach least about the point; world frame.
 
-    pairs: those that meet, of which the bodies' elements at the point are taken.
+    pairs: those that meet, of which the bodies' elements at the point are taken.  normals: of those of them in whose
+    planes the bodies do not move; where none of these parts the bodies, the other planes are tried, which may.
     """
-    spokes_a = _spokes(a, time, {pair[1] for pair in pairs}, point)
-    spokes_b = _spokes(b, time, {pair[2] for pair in pairs}, point)
+    corners_a, corners_b = _corners(a, time), _corners(b, time)
+    spokes_a = _spokes(shape_of(a), corners_a, {pair[1] for pair in pairs}, point)
+    spokes_b = _spokes(shape_of(b), corners_b, {pair[2] for pair in pairs}, point)
     spokes = np.vstack([spokes_a, -spokes_b])
     lengths = np.linalg.norm(spokes, axis=1)
     # far from the origin, doubles tell where corners are to no more than this
     near = max(NEAR, ROUNDING * float(np.abs(point).max()) / float(lengths.min(initial=np.inf)))
     best, least, seen = None, np.inf, list[np.ndarray]()
+
+    def reach(n: np.ndarray) -> float:
+        return float((-(spokes @ n) / lengths).max(initial=0.0))
+
     for n in normals:
-        reach = float((-(spokes @ n) / lengths).max(initial=0.0))
-        if reach < least - near:
-            best, least = n, reach
+        if reach(n) < least - near:
+            best, least = n, reach(n)
         if least <= near:
             break
         seen.append(n)
     assert best is not None  # there is one at least
-    if least > near:  # corners that only pass each other move along a face, which does not tell its side
-        return next((-n for n in seen if float((spokes @ n / lengths).max(initial=0.0)) <= near), best)
-    return best
+    if least <= near:
+        return best
+    planes = (_across(*cells) for cells in _cells(a, b, corners_a, corners_b, pairs))
+    others = [n for n in planes if n is not None and not any(abs(n @ told) > 1.0 - NEAR for told in seen)]
+    return next((side for n in others for side in (n, -n) if reach(side) <= near), best)
 
 
-def _spokes(body: Body, time: float, elements: set[Feature], point: np.ndarray) -> np.ndarray:
-    """Vectors (n, 3) from the point to the other corners of the elements there, and of the triangles beside these."""
-    shape = shape_of(body)
-    corners = np.array(shape.vertices, float)
+def _cells(
+    a: Body, b: Body, corners_a: np.ndarray, corners_b: np.ndarray, pairs: list[Pair]
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """The corners of both elements of each pair."""
+    for pair in pairs:
+        yield corners_a[vertices_of(shape_of(a), pair[1])], corners_b[vertices_of(shape_of(b), pair[2])]
+
+
+def _across(cell_a: np.ndarray, cell_b: np.ndarray) -> np.ndarray | None:
+    """The unit normal of the plane that two elements span, of either side; None where they span none."""
+    ways = [x for cell in (cell_a, cell_b) for x in cell[1:] - cell[0] if x.any()]
+    if len(ways) < 2:
+        return None
+    n = np.cross(ways[0], ways[1])
+    size = float(np.linalg.norm(n))
+    return None if size <= NEAR * float(np.linalg.norm(ways[0]) * np.linalg.norm(ways[1])) else n / size
+
+
+def _corners(body: Body, time: float) -> np.ndarray:
+    """Of a polyhedron, (n, 3), where they are then."""
+    corners = np.array(shape_of(body).vertices, float)
     if isinstance(body, Moving):
         pose = body.motion(time)
         corners = corners @ pose[:3, :3].T + pose[:3, 3]
+    return corners
+
+
+def _spokes(shape: Polyhedron, corners: np.ndarray, elements: set[Feature], point: np.ndarray) -> np.ndarray:
+    """Vectors (n, 3) from the point to the other corners of the elements there, and of the triangles beside these."""
     triangles = [t for kind, t in elements if kind == FACE]
     sides = [vertices_of(shape, e) for e in elements]
     beside = np.flatnonzero(np.isin(shape.triangles, [v for side in sides for v in side]).any(axis=1))

@@ -209,6 +209,9 @@ class _Lasting:
     def deepest(self, way: TimeWay, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
         return SHARED if self.pair.state(way, t) else None
 
+    def kept(self, way: TimeWay, t: float, place: np.ndarray) -> np.ndarray | None:
+        return self.deepest(way, t, (place,))
+
     def anywhere(self, way: TimeWay, t: float) -> np.ndarray | None:
         return self.deepest(way, t, ())
 

@@ -33,6 +33,8 @@ def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> Cont
         return seams.intervals(answer, query, _parts(query, piece))
     turn = 1 / abs(piece.rate[1])
     count = int(((query.end - query.first) / turn).floor())
+    if not count:  # both turn often, and less than once about each other
+        return answer(query)
     whole = query.first + count * turn
     first, *others = [query.part(query.first + k * turn, query.first + (k + 1) * turn) for k in range(count)]
     own = answer(first)
