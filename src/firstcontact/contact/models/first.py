@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.solid.carriers import Plane
 from firstcontact.contact import upright_parts
 from firstcontact.contact.later import told_later
 from firstcontact.contact.models.advancing import ignoring_advance
@@ -188,7 +189,13 @@ def _as_polyhedra(query: Query, _: object) -> FirstContact | Passed:
     return Passed(found.reason) if isinstance(found, Passed) else found
 
 
-def _intervals_as_polyhedra(query: Query, _: object) -> ContactIntervals | Passed:
+def _may_be_polyhedra(query: Query) -> bool:
+    """Whether both are bounded by planes alone."""
+    surfaces = (surface for model in _models(query) for surface in shape_of(model).surfaces)
+    return not query.is_algebraic and all(isinstance(surface, Plane) for surface in surfaces)
+
+
+def _planar_intervals(query: Query, _: object) -> ContactIntervals | Passed:
     from firstcontact.contact.mesh_model import as_polyhedra
 
     if not as_polyhedra.are_of_planes(*query.bodies):
@@ -346,7 +353,8 @@ def _decided(query: Query, work: Work) -> FirstContact:
 @ignoring_idle_turns
 @ignoring_advance
 def intervals(query: Query) -> ContactIntervals:
-    """All closed times of contact: by algebra where that is soon done, else certified in doubles, else by algebra.
+    """All closed times of contact: of solids of planes as polyhedra, many times as quick; of others by algebra where
+    that is soon done, else certified in doubles, else by algebra.
 
     tolerance: as part of the span, of the certified path only; algebra is exact.
     """
@@ -381,10 +389,11 @@ def intervals(query: Query) -> ContactIntervals:
 
     return answered([
         Way("in doubles, if free", if_free, lambda query, _: not query.is_algebraic and query.budget is None),
+        Way("as polyhedra", _planar_intervals, lambda query, _: _may_be_polyhedra(query) and query.budget is None),
         Way("soon exactly", soon_decided, lambda query, _: query.is_auto and _may_soon_be_listed(query, models)),
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", lambda query, _: by_algebra(query, work(query)), lambda query, _: not query.is_certified),
-        Way("as polyhedra", _intervals_as_polyhedra, lambda query, _: not query.is_algebraic),
+        Way("as polyhedra", _planar_intervals, lambda query, _: _may_be_polyhedra(query) and query.budget is not None),
         Way("by upright parts", partial(upright_parts.intervals, ask=intervals), upright_parts.may_be_asked),
     ], query)  # fmt: skip
 
