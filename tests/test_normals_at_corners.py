@@ -92,3 +92,24 @@ def test_a_ridge_that_comes_down_on_a_point_from_inside_is_not_turned():
         assert hit.normal @ way < 0
         swapped = fc.first_contact(points, roof.moving(fc.Translation(way.tolist())), (0, 8))
         assert swapped.normal == pytest.approx(-hit.normal)
+
+
+def test_the_normal_parts_a_solid_box_and_an_octahedron():
+    """Corner to corner, asked as curved models: of a face that looks away it pointed along the way, in a quarter."""
+    rng, met = np.random.default_rng(281128), 0
+    for _ in range(amount(400, 20)):
+        size, b, v = rng.integers(1, 4, 3) * 2, octahedron(rng), 2 * rng.integers(-6, 7, 3)
+        corners = np.array(list(itertools.product((-1, 1), repeat=3))) * size / 2
+        if not v.any():
+            continue
+        shift = b.vertices[rng.integers(6)] - corners[rng.integers(8)] - v / 2
+        motion = fc.Translation(v.tolist())
+        a = fc.box(size.tolist()).translated(shift.tolist()).moving(motion)
+        hit = fc.first_contact(a, b)
+        if hit.status is fc.Status.CONTACT and hit.normal is not None:
+            met += hit.multiplicity > 1
+            heights = (corners + shift + v * hit.time - hit.point) @ hit.normal
+            assert heights.min() > -1e-6 and ((b.vertices - hit.point) @ hit.normal).max() < 1e-6
+            assert hit.normal @ v <= 1e-9
+            assert fc.first_contact(b, a).normal == pytest.approx(-hit.normal, abs=1e-9)
+    assert met > 5

@@ -452,7 +452,7 @@ class _Answer:
         first = max(self.first, fmpq(*window.first.as_integer_ratio()))
         last = first if only_start else min(self.last, fmpq(*window.last.as_integer_ratio()))
         bodies: tuple[Body, Body] = (self.a, self.b)
-        if only_start and any(map(_is_screw, bodies)):  # its equations are not rational, but its pose may be
+        if only_start:  # poses may be rational where equations, as of screws, are not
             standing = [x[0] for x in (_standing(x, self.first) for x in bodies) if x is not None and x[1] is None]
             if len(standing) == 2:
                 bodies, first, last = (standing[0], standing[1]), fmpq(0), fmpq(0)
@@ -551,10 +551,6 @@ def _standing(body: Body, t: fmpq) -> tuple[Moving, Rotation | Screw | None] | N
     pose, motion = near
     standing: Moving = shape_of(body).moving(RationalMotion([[*(IDENTITY if pose is None else pose), (0, 0, 0, 1)]]))
     return standing, motion
-
-
-def _is_screw(body: Body) -> bool:
-    return isinstance(body, Moving) and isinstance(body.motion, Screw)
 
 
 def _time(found: FirstContact) -> float:

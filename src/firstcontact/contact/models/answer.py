@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,7 +60,7 @@ def contact_of(
         Status.CONTACT, time, interval,
         pair.piece.exact_time(root) if exact else None,
         to_world(pair, root, where[None], shared["b"], time)[0],
-        _turned(pair, root, _normal_at(where, [m for _, m in named[:MOST_OTHERS]], pair.unit), shared["b"], time),
+        _turned(pair, root, _normal_at(pair, root, where, [m for _, m in named[:MOST_OTHERS]]), shared["b"], time),
         lowest.element_a, lowest.element_b,
         tuple(p for p, _ in rest[:MOST_OTHERS]), len(named),
         _contact_set(pair, root, meetings, shared["b"], time),
@@ -171,20 +172,63 @@ def _pose(matrix: Matrix, root: Root) -> np.ndarray:
 # -- normals --------------------------------------------------------------------------------------------------
 
 
-def _normal_at(where: np.ndarray, meetings: Sequence[Meeting], unit: float) -> np.ndarray | None:
+def _normal_at(pair: MovingPair, root: Root, where: np.ndarray, meetings: Sequence[Meeting]) -> np.ndarray | None:
     """The normal of the first meeting there: along curves it changes from point to point.
 
-    Where the first has none, that of another one that meets at the same point, or is in a plane through it.
+    Where the first has none, that of another one that meets at the same point, or is in a plane through it.  A normal
+    that parts the bodies there is taken before others, one that they do not move along before what is left.
     """
-    near = NEAR * (unit + float(np.abs(where).max()))
+    near = NEAR * (pair.unit + float(np.abs(where).max()))
+    here: list[tuple[np.ndarray, Meeting]] = []
     for k, meeting in enumerate(meetings):
         own = where if k == 0 else cartesian(meeting.shared.at)
         n = _normal(meeting, own)
         if n is None:
             continue
         if np.abs(where - own).max() <= near or (_is_flat(meeting) and abs(float(n @ (where - own))) <= near):
-            return n
-    return None
+            here.append((n, meeting))
+    if len(here) < 2:
+        return here[0][0] if here else None
+    way, cones = _way(pair, root, where), _cones(root, where, [meeting for _, meeting in here])
+    facing = [n for n, _ in here if float(n @ way) <= NEAR * float(np.linalg.norm(way))]
+    parting = (n for n in facing if _is_in_cone(-n, cones[0]) and _is_in_cone(n, cones[1]))
+    return next(parting, facing[0] if facing else here[0][0])
+
+
+def _cones(root: Root, where: np.ndarray, meetings: Sequence[Meeting]) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) outward normals of a, and of b, of all faces beside the features that meet there."""
+    found: tuple[list[np.ndarray], list[np.ndarray]] = [], []
+    for task in (meeting.candidate.subproblem for meeting in meetings):
+        for known, feature, moving in zip(found, (task.a, task.b), (True, False), strict=True):
+            for n in _outward(task.pair, feature, moving, root, where):
+                if n.any() and all(np.abs(n - other).max() > ALONG for other in known):
+                    known.append(n)
+    return np.array(found[0]).reshape(-1, 3), np.array(found[1]).reshape(-1, 3)
+
+
+def _is_in_cone(n: np.ndarray, ends: np.ndarray) -> bool:
+    """Whether a unit vector is a sum of non-negative multiples of some of the unit vectors ends (k, 3)."""
+    for size in (1, 2, 3):
+        for some in combinations(ends, size):
+            rows = np.column_stack(some)
+            shares, *_ = np.linalg.lstsq(rows, n, rcond=None)
+            if shares.min() >= -ALONG and float(np.abs(rows @ shares - n).max()) <= ALONG:
+                return True
+    return False
+
+
+def _way(pair: MovingPair, root: Root, where: np.ndarray) -> np.ndarray:
+    """Along which the point of a that is there moves, in the frame of b, of any length."""
+    u = root.enclosure(BITS)
+    with precision(BITS):
+        pose, slope = (
+            np.array([[float(arb(x(u)).mid()) for x in row] for row in m])
+            for m in (pair.piece.pose, [[x.derivative() for x in row] for row in pair.piece.pose])
+        )
+    point = np.linalg.solve(pose, np.append(where, 1.0))
+    at, rate = pose @ point, slope @ point
+    way: np.ndarray = at[3] * rate[:3] - rate[3] * at[:3]
+    return way
 
 
 def _is_flat(meeting: Meeting) -> bool:
