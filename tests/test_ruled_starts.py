@@ -256,3 +256,22 @@ def test_times_of_pieces_that_touch_at_the_start_and_part(other, motion):
     assert alone.free_until == 0.0
     for pair in ((SIDE, other.moving(motion)), (other.moving(motion), SIDE)):
         assert [(x.start, x.end) for x in fc.contact_intervals(*pair)] == [(0.0, 0.0)]
+
+
+@pytest.mark.parametrize("motion", [(0, 0, 3), (1, 0, 0), (0, 0, -1)])
+def test_a_cube_that_stands_on_whole_rulings_at_the_start(motion):
+    """As a mesh it was UNDECIDED, and as a solid touching: only of the latter were the rulings cut."""
+    floor = fc.RuledSurface("(u, 0, 0)", "(u, 1, 0)", u=(-5, 5), s=None)
+    for cube in (fc.examples.box((2, 2, 2)), fc.box((2, 2, 2))):
+        for x, y in ((cube.translated((0, 0, 1)).moving(fc.Translation(motion)), floor),
+                     (floor, cube.translated((0, 0, 1)).moving(fc.Translation(motion)))):  # fmt: skip
+            hit = fc.first_contact(x, y)
+            assert (hit.status, hit.initial) == (INITIAL, "touching")
+
+
+def test_a_cube_that_a_whole_cone_touches_from_outside_at_the_start():
+    cone = fc.RuledSurface(
+        "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)", "(2*(1-u**2)/(1+u**2), 4*u/(1+u**2), 2)", u=(-1, 1), s=None
+    ).transformed([[0, 1, 0, -3], [0, 0, 1, -4], [1, 0, 0, 1], [0, 0, 0, 1]])
+    hit = fc.first_contact(cone.moving(fc.Translation((3, 4, -1))), fc.examples.box((2, 2, 2)))
+    assert (hit.status, hit.initial) == (INITIAL, "touching")

@@ -1,43 +1,71 @@
 """Flat pieces whose rulings lie along those of a trimmed one, ruled the other way.
 
 Where rulings of a trimmed piece lie on one line with others, signs at a place (u, v) do not tell how far both of them
-reach.  A parallelogram has other rulings, across; no line of one piece is one of the other then.
+reach.  A parallelogram has other rulings, across, and a triangle those from another corner; no line of one piece is one
+of the other then.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 from flint import fmpq
 
+from firstcontact.body.ruled.rational_curve import RationalCurve
 from firstcontact.body.ruled.surface import RuledSurface
-from firstcontact.exact.vectors import cross
+from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.motion.moving import Moving, shape_of
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import RuledBody
 
+Named = tuple[str, int]
+Renamed = Callable[[Named], Named]
+"""From an element of a piece that is ruled the other way to one of the piece itself."""
 ACROSS = {"directrix": "end_ruling", "end_ruling": "directrix"}
+CORNERS = (("vertex", 0), ("vertex", 1), ("vertex", 3))
+SIDES = (("end_ruling", 0), ("directrix", 1), ("end_ruling", 1))
+"""Of a triangle, ruled from its first corner: each side from that corner to the next."""
+JOINED = "u0", "s1", "u1"
+"""The sides as borders."""
 
 
-def across(x: RuledBody, y: RuledBody) -> tuple[RuledBody, RuledBody, tuple[bool, bool]]:
-    """Both pieces, one of them ruled the other way where that tells more; and which one is."""
+def across(x: RuledBody, y: RuledBody) -> tuple[RuledBody, RuledBody, tuple[Renamed, Renamed]]:
+    """Both pieces, one of them ruled the other way where that tells more; and what their elements are called."""
     bodies, shapes = [x, y], [shape_of(x), shape_of(y)]
-    turned = [False, False]
+    names: list[Renamed] = [_as_it_is, _as_it_is]
     if any(j for shape in shapes for trim in shape.trim for _, j in trim.polynomial.to_dict()):
         ways = [_way(shape) for shape in shapes]
-        if ways[0] is not None and ways[1] is not None and not any(cross(ways[0], ways[1])):
-            for k in sorted((0, 1), key=lambda k: len(shapes[k].trim)):
-                other = shapes[k].crossed()
-                if other is not None:
-                    body = bodies[k]
-                    bodies[k] = Moving(other, body.motion) if isinstance(body, Moving) else other
-                    turned[k] = True
-                    break
-    return bodies[0], bodies[1], (turned[0], turned[1])
+        for k in sorted((0, 1), key=lambda k: len(shapes[k].trim)):
+            found = _ruled_otherwise(shapes[k], ways[k], ways[1 - k])
+            if found is not None:
+                body = bodies[k]
+                bodies[k] = Moving(found[0], body.motion) if isinstance(body, Moving) else found[0]
+                names[k] = found[1]
+                break
+    return bodies[0], bodies[1], (names[0], names[1])
 
 
-def _way(piece: RuledSurface) -> tuple[fmpq, ...] | None:
+def _ruled_otherwise(
+    piece: RuledSurface, own: Vector | None, other: Vector | None
+) -> tuple[RuledSurface, Renamed] | None:
+    """The piece, a parallelogram or a triangle, with no ruling along the other's way; None where it has none now, or
+    where it is neither."""
+    if other is None:
+        return None
+    if own is not None:
+        crossed = None if any(cross(own, other)) else piece.crossed()
+        return None if crossed is None else (crossed, _of_crossed)
+    corners = _corners(piece)
+    if corners is None:
+        return None
+    k = _outermost(corners, other)
+    return None if k in (0, None) else (_from_corner(piece, corners, k), partial(_of_turned, k))
+
+
+def _way(piece: RuledSurface) -> Vector | None:
     """The way of a piece's rulings; None where they are not all parallel, or may not be at all times."""
     if piece.deforming:
         return None
@@ -45,10 +73,62 @@ def _way(piece: RuledSurface) -> tuple[fmpq, ...] | None:
     ways = [q[k] * p[3] - p[k] * q[3] for k in range(3)]
     some = next(k for k, w in enumerate(ways) if w != 0)
     place = next(u for u in range(ways[some].degree() + 1) if ways[some](u) != 0)
-    way = tuple(fmpq(w(place)) for w in ways)
-    return way if not any(cross(ways, [w.p for w in way])) else None
+    x, y, z = (fmpq(w(place)) for w in ways)
+    return (x, y, z) if not any(cross(ways, [x.p, y.p, z.p])) else None
 
 
-def named_as_before(kind: str, index: int) -> tuple[str, int]:
-    """An element of a piece that is ruled the other way, as one of the piece itself."""
+# -- triangles ------------------------------------------------------------------------------------------------
+
+
+def _corners(piece: RuledSurface) -> list[Vector] | None:
+    """Of a triangle that is ruled from a corner, that one first; None of others."""
+    curves = piece.first, piece.second
+    is_whole = all(ends is not None and ends[0] == 0 and ends[1] == 1 for ends in (piece.u, piece.s))
+    if piece.trim or piece.deforming or not is_whole:
+        return None
+    if any(c.degree > k or c.components[3].degree() > 0 for k, c in enumerate(curves)):
+        return None
+    found = []
+    for curve, u in ((curves[0], 0), (curves[1], 0), (curves[1], 1)):
+        x, y, z = (fmpq(c(u), curve.components[3](u)) for c in curve.components[:3])
+        found.append((x, y, z))
+    return found
+
+
+def _outermost(corners: list[Vector], way: Vector) -> int | None:
+    """The first corner from which no line along the way runs into the triangle or on its border; None: its plane is
+    across the way, or has the other one's rulings nowhere."""
+    normal = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]))
+    if dot(normal, way) != 0:
+        return None
+    aside = [dot(cross(normal, way), corner) for corner in corners]
+    return next(k for k, x in enumerate(aside) if aside.count(x) == 1 and x in (min(aside), max(aside)))
+
+
+def _from_corner(piece: RuledSurface, corners: list[Vector], k: int) -> RuledSurface:
+    """The triangle ruled from its corner k."""
+    a, b, c = corners[k:] + corners[:k]
+    first, second = (RationalCurve([[x, y - x] for x, y in zip(*ends, strict=True)]) for ends in ((a, a), (b, c)))
+    inner = frozenset(name for j, name in enumerate(JOINED) if JOINED[(j + k) % 3] in piece.joined)
+    return piece._with(first=first, second=second, joined=inner)
+
+
+# -- names ----------------------------------------------------------------------------------------------------
+
+
+def _as_it_is(known: Named) -> Named:
+    return known
+
+
+def _of_crossed(known: Named) -> Named:
+    kind, index = known
     return (kind, index // 2 + 2 * (index % 2)) if kind == "vertex" else (ACROSS.get(kind, kind), index)
+
+
+def _of_turned(k: int, known: Named) -> Named:
+    """k: the corner from which the triangle is ruled."""
+    kind, index = known
+    if kind == "vertex" or known == ("directrix", 0):  # the first directrix is the corner
+        corner = 0 if kind == "directrix" else (0, 1, 0, 2)[index]
+        return CORNERS[(corner + k) % 3]
+    return SIDES[(SIDES.index(known) + k) % 3] if known in SIDES else known

@@ -15,7 +15,7 @@ from firstcontact.contact.in_turn import first_in_turn, intervals_in_turn
 from firstcontact.contact.named import element
 from firstcontact.contact.reduce import is_small_and_convex
 from firstcontact.contact.ruled import certified, posed
-from firstcontact.contact.ruled.crossing import across, named_as_before
+from firstcontact.contact.ruled.crossing import Renamed, across
 from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, parts_of
 from firstcontact.contact.ruled_solid import certified as by_search
 from firstcontact.contact.ruled_solid.level_pieces import first_of_level, intervals_of_level
@@ -160,18 +160,21 @@ def _pieces(query: Query, work: Work, reach: Reach) -> Iterator[tuple[Polynomial
 
 
 def _pair(
-    query: Query, pair: tuple[int, int, RuledBody, RuledBody, tuple[bool, bool]], step: DirectrixPiece, work: Work,
+    query: Query,
+    pair: tuple[int, int, RuledBody, RuledBody, tuple[Renamed, Renamed]],
+    step: DirectrixPiece,
+    work: Work,
     reach: Reach,
-) -> PiecePair:  # fmt: skip
-    i, j, x, y, turned = pair
+) -> PiecePair:
+    i, j, x, y, names = pair
     span = span_of(step.motion)
     joined = shape_of(x).joined, shape_of(y).joined
     times = Times(conditions(x, y, step, span), span, work, reach)
     work.step(SETUP * times.steps)
-    of = {"a": (query.a, i, turned[0]), "b": (query.b, j, turned[1])}
+    of = {"a": (query.a, i, names[0]), "b": (query.b, j, names[1])}
 
     def named(known: tuple[str, int], which: str) -> Element | None:
-        body, number, is_turned = of[which]
-        return element(body, *(named_as_before(*known) if is_turned else known), number, which)
+        body, number, renamed = of[which]
+        return element(body, *renamed(known), number, which)
 
     return PiecePair(step.motion, times, lambda contact: touch(contact, joined), named)

@@ -24,6 +24,7 @@ from firstcontact.contact.signs.conditions import local_trims
 from firstcontact.contact.signs.times import Times
 from firstcontact.contact.signs.touches import most_of
 from firstcontact.contact.signs.trimmed import inner_places
+from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import rational
@@ -176,10 +177,13 @@ class Interior:
     def lies(self, motion: PolynomialPiece, x: fmpq) -> str:
         """How the surface, which shares points with the convex solid at this parameter, lies to it."""
         pose = self._pose(motion, x)
+        to_mesh = inverse_map(pose) if self.mesh_first else pose
         solid = as_model(self.mesh)
         found = []
         for piece in self.ruled.pieces:
-            sides = tuple(side.at(x).mapped(inverse_map(pose) if self.mesh_first else pose) for side in piece.sides)
+            if piece.s is None:
+                piece = cut_to(piece, solid.transformed([*inverse_map(to_mesh), (0, 0, 0, 1)]), (0.0, 0.0))
+            sides = tuple(side.at(x).mapped(to_mesh) for side in piece.sides)
             held = SolidConditions.of(piece, (sides[0], sides[1]), solid, (x, x))
             if Times(held, (x, x)).at(AlgebraicRoot.of(x)):
                 found.append(lies(held, x))
