@@ -275,3 +275,28 @@ def test_a_cube_that_a_whole_cone_touches_from_outside_at_the_start():
     ).transformed([[0, 1, 0, -3], [0, 0, 1, -4], [1, 0, 0, 1], [0, 0, 0, 1]])
     hit = fc.first_contact(cone.moving(fc.Translation((3, 4, -1))), fc.examples.box((2, 2, 2)))
     assert (hit.status, hit.initial) == (INITIAL, "touching")
+
+
+H = F(1, 2)
+SADDLE = fc.RuledSurface("(-u**2, u, 0)", "(0, 0, 1)").translated((0, H, H))
+BESIDE = {
+    "a ball": fc.sphere(H).translated((H, H, H)),
+    "a can": fc.cylinder(H, 1).translated((H, H, H)),
+    "a drilled box": (fc.box((1, 1, 1)) - fc.cylinder(F(1, 4), 2)).translated((H, H, H)),
+    "a box": fc.examples.box((1, 1, 1)).translated((H, H, H)),
+}
+
+
+@pytest.mark.parametrize("body", BESIDE)
+def test_all_contacts_of_what_touches_at_the_start_and_screws_away_or_on(body):
+    """The start is decided at rest; the sweep in doubles had it open, and told nothing. The surface ends at x = 0.
+
+    For the can balls about the time 0 shrank until their bounds as rationals filled the memory.
+    """
+    away, on = (fc.Screw((1, 1, 0), degrees=50, advance=x) for x in (1, -1))
+    (told,) = fc.contact_intervals(BESIDE[body].moving(away), SADDLE)
+    assert told.start == 0 and told.end_interval[1] <= 1e-12
+    (told,) = fc.contact_intervals(SADDLE, BESIDE[body].moving(on))
+    assert told.start == 0 and 0.3 < told.end < 0.6
+    rest = fc.contact_intervals(SADDLE, BESIDE[body].moving(on), (told.end_interval[1] + 1e-9, 1))
+    assert rest.status is fc.Status.FREE

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from firstcontact.contact.advancing import Apart, in_longer_span, without_advance
+from firstcontact.contact.polyhedra import after_start
 from firstcontact.contact.polyhedra.answers import (
     JoinedInterval,
     contact_of,
@@ -120,6 +121,7 @@ def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact, with exact ends where these have an exact form."""
     return answered([
         Way("in the plane", _in_the_plane),
+        Way("after the start", _after_the_start, _starts_on_a_curve),
         Way("by trees, if soon", _by_trees_soon, lambda query, _: _are_small_and_convex(query)),
         Way("as convex solids", _as_solids, lambda query, _: _are_small_and_convex(query)),
         Way("by trees", lambda query, _: decided(_contact_intervals(query), query), _is_left_to_trees),
@@ -138,6 +140,16 @@ def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
     if isinstance(other, Apart):
         return ContactIntervals.free(query.stats(), **query.shared)
     return decided(in_longer_span(_contact_intervals(other), other, query), query)
+
+
+def _starts_on_a_curve(query: Query, _: None) -> bool:
+    """Whether the motion at the start has no rational poses, in a question of more than that instant."""
+    free = not query.is_algebraic and query.budget is None and query.first < query.end
+    return free and isinstance(_pieces(query)[0], CurvedPiece)
+
+
+def _after_the_start(query: Query, _: None) -> ContactIntervals | Passed:
+    return after_start.intervals(query, first, _contact_intervals)
 
 
 def _by_trees_soon(query: Query, _: None) -> ContactIntervals | Passed:

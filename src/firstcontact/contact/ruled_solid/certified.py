@@ -5,6 +5,7 @@ Contact of a surface that lies inside the solid counts: the solid owns its inter
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -173,9 +174,20 @@ def _solid_element(pair: RuledAndSolid, feature: Face | Edge | Vertex, point: np
     return element_of_solid(model, feature, "ab"[1 - pair.side], where)
 
 
-def intervals(query: Query, work: Work) -> ContactIntervals:
-    """All closed times of contact, with enclosures of their ends, as far as doubles prove them."""
+def intervals(query: Query, work: Work, at_start: Callable[[], FirstContact]) -> ContactIntervals:
+    """All closed times of contact, with enclosures of their ends, as far as doubles prove them.
+
+    at_start: how the bodies lie at the start, asked where doubles do not tell.
+    """
     pair = RuledAndSolid(query)
     width = query.tolerance * (pair.windows[-1].last - pair.windows[0].first)
-    found = TimeSweep(pair.free(width, work), pair.lasting(), pair.windows, width, work, lambda: None).run()
+    lasting, window = pair.lasting(), pair.windows[0]
+
+    def touches_at_start() -> np.ndarray | None:
+        told = at_start()
+        if told.status is not Status.INITIAL_CONTACT or told.point is None:
+            return None
+        return lasting.near(window, window.first, told.point)
+
+    found = TimeSweep(pair.free(width, work), lasting, pair.windows, width, work, touches_at_start).run()
     return proved_intervals(found, work, query)

@@ -27,7 +27,7 @@ from firstcontact.contact.ruled_solid.solid_touches import lies, solid_touch
 from firstcontact.contact.signs import exactly
 from firstcontact.contact.signs.exactly import PiecePair, span_of
 from firstcontact.contact.signs.sheets import Reach
-from firstcontact.contact.signs.starts import with_start
+from firstcontact.contact.signs.starts import at_start, with_start
 from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.contact.swapped import swapped
 from firstcontact.exact.numbers import below
@@ -79,7 +79,10 @@ def intervals(query: Query) -> ContactIntervals:
         windows = exactly.all_windows(_pieces(ordered, work, reach), None)
         return exactly.as_intervals(*windows, query, work)
 
-    return intervals_in_turn(query, certified.first, certified.intervals, decide)
+    def in_doubles(query: Query, work: Work) -> ContactIntervals:
+        return certified.intervals(query, work, lambda: first(at_start(query)))
+
+    return intervals_in_turn(query, certified.first, in_doubles, decide)
 
 
 def _pieces(query: Query, work: Work, reach: Reach) -> Iterator[tuple[PolynomialPiece, list[PiecePair]]]:

@@ -150,15 +150,23 @@ class RuledLasting(Lasting[np.ndarray]):
 
     def anywhere(self, window: Window, t: float) -> np.ndarray | None:
         """A point proved common at t, from samples of the sheets."""
-        there = self._placed(window, t)
-        x, s = (c.ravel() for c in np.meshgrid(np.linspace(-1, 1, GRID[0]), np.linspace(0, 1, GRID[1])))
+        there, grid = self._placed(window, t), _grid()
         seeds, heights = [], []
         for k in range(len(self.sheets)):
-            here = self._heights(there, k, self._now(k, window, t), np.column_stack([x, s]))
+            here = self._heights(there, k, self._now(k, window, t), grid)
             best = int(np.argmin(here))
-            seeds.append(np.array([k, x[best], s[best]]))
+            seeds.append(np.array([k, *grid[best]]))
             heights.append(float(here[best]))
         return self.deepest(window, t, [seeds[k] for k in np.argsort(heights)[:4]])
+
+    def near(self, window: Window, t: float, point: np.ndarray) -> np.ndarray:
+        """The place of the sheets' samples that is nearest to a point of the world at t."""
+        pose, grid = self.pose(window.a if self.side == 0 else window.b, t), _grid()
+        own = np.linalg.solve(linear(pose), point - pose[9:12])
+        away = [np.linalg.norm(self._points(self._now(k, window, t), grid)[:, :3] - own, axis=1)
+                for k in range(len(self.sheets))]  # fmt: skip
+        k = int(np.argmin([x.min() for x in away]))
+        return np.array([k, *grid[int(np.argmin(away[k]))]])
 
     def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
         there = self._placed(window, t)
@@ -229,6 +237,12 @@ class RuledLasting(Lasting[np.ndarray]):
         mixed = np.concatenate([signs @ rows, signs @ _inverse_of(slopes[near])])
         mixed = mixed / np.maximum(np.linalg.norm(mixed, axis=1, keepdims=True), 1e-300)
         return np.concatenate([AROUND, mixed])
+
+
+def _grid() -> np.ndarray:
+    """(n, 2) places of a sheet."""
+    x, s = (c.ravel() for c in np.meshgrid(np.linspace(-1, 1, GRID[0]), np.linspace(0, 1, GRID[1])))
+    return np.column_stack([x, s])
 
 
 def _inverse_of(slopes: np.ndarray) -> np.ndarray:
