@@ -34,11 +34,14 @@ if TYPE_CHECKING:
     from firstcontact.body.ruled.rational_curve import Component
     from firstcontact.body.ruled.strip import RuledStrip
     from firstcontact.exact.numbers import Given, Nested
+    from firstcontact.exact.vectors import Vector
     from firstcontact.result import Table
 
 Interval = tuple[Fraction, Fraction]
 PARAMETERS = context(("u", "s"))
 """The ring of trimming polynomials."""
+SIDES = "u0", "s1", "u1"
+"""Borders of a triangle that is ruled from its first corner: from that to the second one, and so on."""
 _ONE = fmpq(1)
 _WHOLE = Fraction(0), Fraction(1)
 # Stands for infinity where a trimming polynomial is evaluated in floats.
@@ -338,6 +341,29 @@ class RuledSurface(Placing):
         )
         joined = frozenset(("s" if x[0] == "u" else "u") + x[1] for x in self.joined)
         return self._with(first=first, second=second, u=self.s, s=self.u, trim=trim, joined=joined)
+
+    def corners(self) -> list[Vector] | None:
+        """Of a triangle that is ruled from a corner over the unit square, that one first; None of others."""
+        curves = self.first, self.second
+        is_whole = all(ends is not None and ends[0] == 0 and ends[1] == 1 for ends in (self.u, self.s))
+        if self.trim or self.deforming or not is_whole:
+            return None
+        if any(c.degree > k or c.components[3].degree() > 0 for k, c in enumerate(curves)):
+            return None
+        found = []
+        for curve, u in ((curves[0], 0), (curves[1], 0), (curves[1], 1)):
+            x, y, z = (fmpq(c(u), curve.components[3](u)) for c in curve.components[:3])
+            found.append((x, y, z))
+        return found
+
+    def ruled_from(self, k: int) -> RuledSurface:
+        """The triangle ruled from another one of its corners."""
+        corners = self.corners()
+        assert corners is not None
+        a, b, c = corners[k:] + corners[:k]
+        first, second = (RationalCurve([[x, y - x] for x, y in zip(*ends, strict=True)]) for ends in ((a, a), (b, c)))
+        inner = frozenset(name for j, name in enumerate(SIDES) if SIDES[(j + k) % 3] in self.joined)
+        return self._with(first=first, second=second, joined=inner)
 
     def _with(self, **changes: object) -> RuledSurface:
         other = object.__new__(RuledSurface)

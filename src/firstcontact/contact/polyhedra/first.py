@@ -144,8 +144,8 @@ def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
 
 def _starts_on_a_curve(query: Query, _: None) -> bool:
     """Whether the motion at the start has no rational poses, in a question of more than that instant."""
-    free = not query.is_algebraic and query.budget is None and query.first < query.end
-    return free and isinstance(_pieces(query)[0], CurvedPiece)
+    free = not query.is_algebraic and query.budget is None
+    return free and query.last is not None and query.first < query.last and isinstance(_pieces(query)[0], CurvedPiece)
 
 
 def _after_the_start(query: Query, _: None) -> ContactIntervals | Passed:

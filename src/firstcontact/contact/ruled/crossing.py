@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
-from firstcontact.body.ruled.rational_curve import RationalCurve
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.motion.moving import Moving, shape_of
@@ -28,8 +27,6 @@ ACROSS = {"directrix": "end_ruling", "end_ruling": "directrix"}
 CORNERS = (("vertex", 0), ("vertex", 1), ("vertex", 3))
 SIDES = (("end_ruling", 0), ("directrix", 1), ("end_ruling", 1))
 """Of a triangle, ruled from its first corner: each side from that corner to the next."""
-JOINED = "u0", "s1", "u1"
-"""The sides as borders."""
 
 
 def across(x: RuledBody, y: RuledBody) -> tuple[RuledBody, RuledBody, tuple[Renamed, Renamed]]:
@@ -58,11 +55,9 @@ def _ruled_otherwise(
     if own is not None:
         crossed = None if any(cross(own, other)) else piece.crossed()
         return None if crossed is None else (crossed, _of_crossed)
-    corners = _corners(piece)
-    if corners is None:
-        return None
-    k = _outermost(corners, other)
-    return None if k in (0, None) else (_from_corner(piece, corners, k), partial(_of_turned, k))
+    corners = piece.corners()
+    k = None if corners is None else _outermost(corners, other)
+    return None if not k else (piece.ruled_from(k), partial(_of_turned, k))
 
 
 def _way(piece: RuledSurface) -> Vector | None:
@@ -77,24 +72,6 @@ def _way(piece: RuledSurface) -> Vector | None:
     return (x, y, z) if not any(cross(ways, [x.p, y.p, z.p])) else None
 
 
-# -- triangles ------------------------------------------------------------------------------------------------
-
-
-def _corners(piece: RuledSurface) -> list[Vector] | None:
-    """Of a triangle that is ruled from a corner, that one first; None of others."""
-    curves = piece.first, piece.second
-    is_whole = all(ends is not None and ends[0] == 0 and ends[1] == 1 for ends in (piece.u, piece.s))
-    if piece.trim or piece.deforming or not is_whole:
-        return None
-    if any(c.degree > k or c.components[3].degree() > 0 for k, c in enumerate(curves)):
-        return None
-    found = []
-    for curve, u in ((curves[0], 0), (curves[1], 0), (curves[1], 1)):
-        x, y, z = (fmpq(c(u), curve.components[3](u)) for c in curve.components[:3])
-        found.append((x, y, z))
-    return found
-
-
 def _outermost(corners: list[Vector], way: Vector) -> int | None:
     """The first corner from which no line along the way runs into the triangle or on its border; None: its plane is
     across the way, or has the other one's rulings nowhere."""
@@ -103,14 +80,6 @@ def _outermost(corners: list[Vector], way: Vector) -> int | None:
         return None
     aside = [dot(cross(normal, way), corner) for corner in corners]
     return next(k for k, x in enumerate(aside) if aside.count(x) == 1 and x in (min(aside), max(aside)))
-
-
-def _from_corner(piece: RuledSurface, corners: list[Vector], k: int) -> RuledSurface:
-    """The triangle ruled from its corner k."""
-    a, b, c = corners[k:] + corners[:k]
-    first, second = (RationalCurve([[x, y - x] for x, y in zip(*ends, strict=True)]) for ends in ((a, a), (b, c)))
-    inner = frozenset(name for j, name in enumerate(JOINED) if JOINED[(j + k) % 3] in piece.joined)
-    return piece._with(first=first, second=second, joined=inner)
 
 
 # -- names ----------------------------------------------------------------------------------------------------
