@@ -53,7 +53,7 @@ def test_doubles_go_on_alone_where_elimination_takes_no_such_motion():
     def in_doubles(query, work):
         limits.append(work.budget)
         told = (fc.Status.FREE, None) if work.budget is None else (fc.Status.UNDECIDED, "budget")
-        return fc.ContactIntervals((), told[0], 0.0, told[1])
+        return fc.ContactIntervals((), told[0], len(limits) / 8, told[1])
 
     def of(refusal):
         def exactly(query, work, reach):
@@ -67,6 +67,26 @@ def test_doubles_go_on_alone_where_elimination_takes_no_such_motion():
     assert of(fc.UnsupportedPair) == (fc.Status.FREE, [ROUNDS[0].boxes, None])
     # what is too large may be less so in the next round
     assert of(TooLarge) == (fc.Status.FREE, [own.boxes for own in ROUNDS])
+
+
+def test_doubles_that_get_no_farther_wait_for_elimination():
+    """Of a contact on a border they left the same time open in 100,000 boxes and in twice as many; it took 9 s more."""
+    asked = []
+
+    def in_doubles(query, work):
+        asked.append(("in doubles", work.budget))
+        return fc.ContactIntervals((), fc.Status.UNDECIDED, 0.25, "precision" if work.budget is None else "budget")
+
+    def exactly(query, work, reach):
+        asked.append(("exactly", work.budget))
+        raise TooLarge("no")
+
+    body = BLADE.moving(UP)
+    query = Query(body, PLATE, fmpq(0), fmpq(1), begin=clock.perf_counter())
+    found = intervals_in_turn(query, lambda own: None, in_doubles, exactly)
+    assert found.status is fc.Status.UNDECIDED
+    assert [way for way, _ in asked] == ["in doubles", "exactly", "in doubles", *["exactly"] * 3, "in doubles"]
+    assert asked[-2:] == [("exactly", None), ("in doubles", None)]
 
 
 @pytest.mark.parametrize("verb", [first_in_turn, intervals_in_turn])

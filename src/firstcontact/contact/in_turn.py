@@ -39,6 +39,8 @@ ROUNDS = (
     Round(200_000, 1_000, FARTHEST), Round(None, None, FARTHEST),
 )  # fmt: skip
 """About 0.1, 2, 5 s and more of either."""
+STILL = 2.0**-20
+"""Part of the span: doubles that get no farther in a longer search are stuck, and wait until elimination has ended."""
 NEARBY = fmpq(1, 2**30)
 """Part of the span around a time proved in doubles in which it is decided exactly."""
 
@@ -52,17 +54,28 @@ class AskedSoFar:
     refused    whether elimination does not take it, however far it goes: then doubles go on without a limit.
     ended      whether doubles went as far as it takes.
     exhausted  whether elimination did.
+    until      up to when doubles told all; None: they were not asked yet.
+    stuck      whether they got no farther when they were asked again.
     """
 
     refused: bool = False
     ended: bool = False
     exhausted: bool = False
+    until: float | None = None
+    stuck: bool = False
 
     def boxes(self, own: Round) -> int | None:
         """How far doubles go in a round."""
         boxes = None if self.refused else own.boxes
         self.ended = boxes is None
         return boxes
+
+    def note(self, proved: FirstContact | ContactIntervals) -> None:
+        """What doubles tell in a round."""
+        if proved.free_until is not None:
+            step = STILL * (proved.span[1] - proved.span[0])
+            self.stuck = self.until is not None and proved.free_until <= self.until + step
+            self.until = proved.free_until
 
     def asked(self, eliminate: Callable[[], T]) -> T:
         """What elimination tells."""
@@ -82,7 +95,8 @@ class AskedSoFar:
 
     def is_cut_short(self, query: Query, proved: FirstContact | ContactIntervals | None) -> bool:
         """Whether doubles may tell more in a longer search."""
-        return not query.is_algebraic and not self.ended and _may_tell_more(proved)
+        waits = self.stuck and not self.refused and not self.exhausted
+        return not query.is_algebraic and not self.ended and not waits and _may_tell_more(proved)
 
     def is_open(self, query: Query, _: FirstContact | ContactIntervals | None) -> bool:
         """Whether elimination may."""
@@ -107,7 +121,7 @@ def first_in_turn(
     turns = AskedSoFar()
     for own in ROUNDS if query.is_auto else ROUNDS[-1:]:
         ways += _first_ways(own, turns, in_doubles, exactly, is_told)
-    return answered(ways, query)
+    return answered([*ways, ways[-2]], query)
 
 
 def _first_ways(
@@ -116,6 +130,7 @@ def _first_ways(
     """Those of one round."""
     def by_doubles(query: Query, _: FirstContact | None) -> FirstContact | Passed:
         proved = in_doubles(_limited(query, turns.boxes(own)))
+        turns.note(proved)
         if query.is_certified or query.is_spent(proved.reason) or is_told(proved):
             return proved
         if proved.status is Status.CONTACT:
@@ -186,7 +201,9 @@ def intervals_in_turn(
         return shared if query.budget is not None else _limited(query, budget).work()
 
     def by_doubles(own: Round, query: Query, _: ContactIntervals | None) -> ContactIntervals | Passed:
-        return decided(in_doubles(query, work(turns.boxes(own))), query)
+        proved = in_doubles(query, work(turns.boxes(own)))
+        turns.note(proved)
+        return decided(proved, query)
 
     def by_elimination(own: Round, query: Query, proved: ContactIntervals | None) -> ContactIntervals | Passed:
         far = turns.reach(own, proved)
@@ -198,4 +215,4 @@ def intervals_in_turn(
         if not query.is_algebraic:
             ways.append(Way("in doubles", partial(by_doubles, own), turns.is_cut_short))
         ways.append(Way("exactly", partial(by_elimination, own), turns.is_open))
-    return answered(ways, query)
+    return answered([*ways, *ways[-2:-1]], query)
