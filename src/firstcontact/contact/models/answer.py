@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -187,34 +186,55 @@ def _normal_at(pair: MovingPair, root: Root, where: np.ndarray, meetings: Sequen
             continue
         if np.abs(where - own).max() <= near or (_is_flat(meeting) and abs(float(n @ (where - own))) <= near):
             here.append((n, meeting))
-    if len(here) < 2:
-        return here[0][0] if here else None
+    normals = _different([n for n, _ in here])
+    if len(normals) < 2:
+        return normals[0] if normals else None
     way, cones = _way(pair, root, where), _cones(root, where, [meeting for _, meeting in here])
-    facing = [n for n, _ in here if float(n @ way) <= NEAR * float(np.linalg.norm(way))]
+    facing = [n for n in normals if float(n @ way) <= NEAR * float(np.linalg.norm(way))]
     parting = (n for n in facing if _is_in_cone(-n, cones[0]) and _is_in_cone(n, cones[1]))
-    return next(parting, facing[0] if facing else here[0][0])
+    return next(parting, facing[0] if facing else normals[0])
+
+
+def _different(vectors: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Unit vectors, each once, in their order."""
+    found: list[np.ndarray] = []
+    for n in vectors:
+        if n.any() and all(np.abs(n - other).max() > ALONG for other in found):
+            found.append(n)
+    return found
 
 
 def _cones(root: Root, where: np.ndarray, meetings: Sequence[Meeting]) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) outward normals of a, and of b, of all faces beside the features that meet there."""
-    found: tuple[list[np.ndarray], list[np.ndarray]] = [], []
-    for task in (meeting.candidate.subproblem for meeting in meetings):
-        for known, feature, moving in zip(found, (task.a, task.b), (True, False), strict=True):
-            for n in _outward(task.pair, feature, moving, root, where):
-                if n.any() and all(np.abs(n - other).max() > ALONG for other in known):
-                    known.append(n)
-    return np.array(found[0]).reshape(-1, 3), np.array(found[1]).reshape(-1, 3)
+    tasks = [meeting.candidate.subproblem for meeting in meetings]
+    of_a = [n for x in tasks for n in _outward(x.pair, x.a, True, root, where)]
+    of_b = [n for x in tasks for n in _outward(x.pair, x.b, False, root, where)]
+    return np.array(_different(of_a)).reshape(-1, 3), np.array(_different(of_b)).reshape(-1, 3)
 
 
 def _is_in_cone(n: np.ndarray, ends: np.ndarray) -> bool:
-    """Whether a unit vector is a sum of non-negative multiples of some of the unit vectors ends (k, 3)."""
-    for size in (1, 2, 3):
-        for some in combinations(ends, size):
-            rows = np.column_stack(some)
-            shares, *_ = np.linalg.lstsq(rows, n, rcond=None)
-            if shares.min() >= -ALONG and float(np.abs(rows @ shares - n).max()) <= ALONG:
-                return True
-    return False
+    """Whether a unit vector is a sum of non-negative multiples of unit vectors ends (k, 3).
+
+    C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, algorithm NNLS.
+    """
+    shares, used = np.zeros(len(ends)), np.zeros(len(ends), bool)
+    for _ in range(3 * len(ends)):
+        away = n - shares @ ends
+        slopes = np.where(used, 0.0, ends @ away)
+        if slopes.max() <= ALONG:
+            break
+        used[int(np.argmax(slopes))] = True
+        while True:
+            wanted = np.zeros(len(ends))
+            wanted[used] = np.linalg.lstsq(ends[used].T, n, rcond=None)[0]
+            below = used & (wanted <= 0.0)
+            if not below.any():
+                shares = wanted
+                break
+            part = float((shares[below] / np.maximum(shares[below] - wanted[below], 1e-300)).min())
+            shares = shares + part * (wanted - shares)
+            used &= shares > 1e-15
+    return len(ends) > 0 and float(np.linalg.norm(n - shares @ ends)) <= ALONG
 
 
 def _way(pair: MovingPair, root: Root, where: np.ndarray) -> np.ndarray:
