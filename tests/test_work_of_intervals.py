@@ -109,3 +109,17 @@ def test_what_lasts_from_step_to_step_is_proved_by_the_point_at_hand():
     assert [(x.start, x.end) for x in told] == [(0, 1)]
     assert [x.way for x in told.stats.ways][-1] == "in doubles"
     assert told.stats.node_visits < 200
+
+
+def test_what_slides_along_a_torus_from_the_start_ends_in_a_known_number_of_cells():
+    """A box whose side is flush with the top circle: it took 26 to 58 s, in which nothing more is proved."""
+    box = fc.box((2, 2, 2)).moving(fc.Translation((-8, 0, 0)))
+    ring = fc.torus(4, 1).transformed([[0, -1, 0, -1], [0, 0, 1, -2], [-1, 0, 0, 3], [0, 0, 0, 1]])
+    told = fc.contact_intervals(box, ring, budget=20_000)
+    assert (told.status, told.reason) == (fc.Status.UNDECIDED, "budget")
+    from firstcontact.contact.torus import first as torus
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(torus, "MOST", 20_000)
+        own = fc.contact_intervals(box, ring)
+    assert (own.status, own.reason, own.free_until) == (fc.Status.UNDECIDED, "precision", told.free_until)

@@ -373,11 +373,14 @@ class TimeSweep(Generic[W]):
         self.turns += 1
         if self.turns > self.most_turns:
             raise Unproved(t)
-        for least, share in AHEAD:
+        for (least, share), is_last in zip(AHEAD, (False, True), strict=True):
+            begin = t
             t, point = self.lasting.until(window, t, window.last, point, least, self._follows)
             self.reached = t
             if t >= window.last:
                 return t, point
+            if t == begin and not is_last:  # nothing can be followed, and small steps are all there is
+                continue
             try:
                 return self._left(window, t, point, share)
             except Unproved:

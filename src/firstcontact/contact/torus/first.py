@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
     from firstcontact.result import Element
 
+MOST = 500_000
+"""Cells that are looked at for all times of contact where the caller set no budget: some 15 seconds."""
+
 
 @ignoring_idle_turns
 def first(query: Query) -> FirstContact:
@@ -42,7 +46,8 @@ def first(query: Query) -> FirstContact:
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact.  Raises UnsupportedPair."""
     _refuse_exact(query)
-    return answered([Way("by cells", lambda query, _: _TorusSearch(query, query.work()).intervals())], query)
+    work = query.limited(MOST).work()
+    return answered([Way("by cells", lambda query, _: _TorusSearch(query, work).intervals())], query)
 
 
 def _refuse_exact(query: Query) -> None:
@@ -70,7 +75,10 @@ class _TorusSearch:
         return None if found is None else found[0]
 
     def intervals(self) -> ContactIntervals:
-        return proved_intervals(self.sweep.run(), self.work, self.query)
+        found = self.sweep.run()
+        if self.query.budget is None and found.reason == "budget":  # of its own
+            found = replace(found, reason="precision")
+        return proved_intervals(found, self.work, self.query)
 
     def first(self) -> FirstContact:
         self.reached = self.query.span[0]
