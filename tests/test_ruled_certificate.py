@@ -54,6 +54,26 @@ def test_double_zeros_are_left():
     assert not isolated(Circle(fmpq(3, 2)), [[arb(0, 2), arb("0.01", 2)]]).zeros
 
 
+class TwiceTheSame(Equations):
+    """t = 0, whatever u is, by both equations."""
+
+    def values(self, z):
+        u, t = z
+        return [t + t**2 * (2 + u), t - t**2 * (1 + u)]
+
+    def jacobian(self, z):
+        u, t = z
+        return [[t**2, 1 + 2 * t * (2 + u)], [-(t**2), 1 - 2 * t * (1 + u)]]
+
+
+def test_sides_next_to_a_zero_at_0_do_not_shrink_for_ever():
+    """They did by squares, while the other side was halved: as rationals their bounds filled the memory."""
+    found = isolated(TwiceTheSame(), [[arb("0.1", 0.5), arb("0.01", 0.1)]], 200)
+    assert not found.zeros and found.left
+    for _, t in found.left:
+        assert t.rad() > arb(2) ** -130 and t.contains(0)
+
+
 @pytest.mark.share(2)
 @pytest.mark.parametrize(
     "motion",

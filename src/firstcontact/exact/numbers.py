@@ -207,24 +207,6 @@ def dyadic(x: arb) -> fmpq:
     return fmpq(mantissa) * (fmpq(2) ** e if e >= 0 else 1 / (fmpq(2) ** -e))
 
 
-NOTHING = fmpq(1, 2**4096)
-"""Balls that shrink on zero have exponents in the billions: as rationals they would fill the memory."""
-
-
-def lowest(x: arb) -> fmpq:
-    """A rational that no point of the ball is below: its lower bound, next to zero no closer than by NOTHING."""
-    lower = arb(x.lower())
-    if abs(lower) < arb(NOTHING):
-        return -NOTHING if lower < 0 else fmpq(0)
-    return dyadic(lower)
-
-
-def middle(x: arb) -> fmpq:
-    """The middle of a ball, to NOTHING."""
-    mid = arb(x.mid())
-    return fmpq(0) if abs(mid) < arb(NOTHING) else dyadic(mid)
-
-
 # FLINT keeps one working precision for the whole process; whoever computes with balls holds this lock.
 _lock = threading.RLock()
 

@@ -20,7 +20,8 @@ BITS = 192
 ENOUGH = 0.5
 """Part of its widest side to which an image must narrow a box lest it be halved."""
 LEAST = 2.0**-120
-"""Part of its first width below which a side is not halved."""
+"""Part of its first width below which a side is not halved, nor narrowed below half of that: next to a zero at 0 sides
+shrink by squares, and their exponents would fill the memory."""
 RANK = 1e-7
 """Pivots of a matrix with rows of about 1 that count as none."""
 
@@ -68,6 +69,7 @@ def _search(
             continue
         if left is None:
             continue
+        left = [_not_narrower(c, 0.5 * LEAST * w) for c, w in zip(left, widths, strict=True)]
         shares = [_share(c, w) for c, w in zip(left, widths, strict=True)]
         widest = max(range(len(box)), key=shares.__getitem__)
         if shares[widest] <= ENOUGH * max(_share(c, w) for c, w in zip(box, widths, strict=True)):
@@ -77,6 +79,10 @@ def _search(
         elif drops is None or not drops(left):
             queue += reversed(_halves(left, widest))  # lower halves first: what is left over comes late
     return most
+
+
+def _not_narrower(side: arb, least: arb) -> arb:
+    return side if side.rad() >= least else arb(side.mid(), least)
 
 
 def _share(side: arb, width: arb) -> float:

@@ -15,7 +15,7 @@ from flint import arb, arb_mat, fmpq
 
 from firstcontact.body.solid.csg import outcomes
 from firstcontact.body.solid.features import Edge, Face
-from firstcontact.exact.numbers import exact_value, lowest, middle, precision
+from firstcontact.exact.numbers import dyadic, exact_value, precision
 from firstcontact.exact.systems.isolation import isolated
 from firstcontact.exact.systems.square_systems import Equations, Zero
 from firstcontact.search.events.event_tables import crossing_surfaces
@@ -168,7 +168,7 @@ class Certificate:
                 self._add_zero(event, system, zero)
             for box in found.left:
                 if not self._is_outside(event, system, box):
-                    time = lowest(box[-1])
+                    time = dyadic(arb(box[-1].lower()))
                     self.open = time if self.open is None else min(self.open, time)
 
     def _add_zero(self, event: RuledSolidEvent, system: EventSystem, zero: Zero) -> None:
@@ -177,7 +177,7 @@ class Certificate:
         if t > arb(self.end) or t < arb(self.begin) or x > 1 or x < -1 or s > 1 or s < 0:
             return
         if not self._is_outside(event, system, z):
-            self.events.append((event.placed([middle(c) for c in z]), t))
+            self.events.append((event.placed([dyadic(arb(c.mid())) for c in z]), t))
             self.events.sort(key=lambda e: float(e[1].mid()))
 
     def _is_outside(self, event: RuledSolidEvent, system: EventSystem, z: Sequence[arb]) -> bool:

@@ -22,7 +22,7 @@ from flint import arb, fmpq
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import inside
 from firstcontact.body.solid.features import Edge, Face, Vertex, enclosure
-from firstcontact.exact.numbers import below, exact_value, lowest, middle, precision, to_double
+from firstcontact.exact.numbers import below, dyadic, exact_value, precision, to_double
 from firstcontact.exact.rigid import Matrix, compose, inverse_map
 from firstcontact.kernels.events.event_search import (
     CHART,
@@ -237,7 +237,7 @@ class RuledSearch(EventSearch):
                 return end, None
             starts = [known.open] if known.open is not None else []
             if known.events:
-                starts.append(lowest(known.events[0][1]))
+                starts.append(dyadic(arb(known.events[0][1].lower())))
             return max(lo, below(min(starts))), known
 
     def _certificate(self, poses: tuple[PoseJet, PoseJet], lo: float, end: float) -> Certificate:
@@ -480,7 +480,7 @@ class RuledSolidEvent:
             if not math.isfinite(largest):
                 return False
             shift = np.linalg.solve(jacobian, [float((r / largest).mid()) for r in residual])
-            z = [c - middle(arb(exact_value(d)) * arb(largest)) for c, d in zip(z, shift, strict=True)]
+            z = [c - dyadic((arb(exact_value(d)) * arb(largest)).mid()) for c, d in zip(z, shift, strict=True)]
             z = [fmpq((c * 2**200).floor()) / 2**200 for c in z]
             if any(abs(to_double(c - d)) > 1e-5 * (1 + abs(to_double(d))) for c, d in zip(z, start, strict=True)):
                 return False

@@ -15,7 +15,7 @@ from flint import arb, arb_mat, fmpq
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import outcomes
 from firstcontact.body.solid.features import Edge, Face, Vertex, enclosure
-from firstcontact.exact.numbers import ball, exact_value, lowest, precision
+from firstcontact.exact.numbers import ball, dyadic, exact_value, precision
 from firstcontact.exact.systems.isolation import isolated
 from firstcontact.exact.systems.square_systems import Equations, FormEquations, Rows
 from firstcontact.kernels.events.event_search import (
@@ -172,7 +172,7 @@ class EventPlace:
 
 
 def _lower(z: Sequence[arb]) -> fmpq:
-    return lowest(z[-1])
+    return dyadic(arb(z[-1].lower()))
 
 
 def _is_off(model: CompositeQuadric, on: Sequence[int], x: Sequence[arb]) -> bool:

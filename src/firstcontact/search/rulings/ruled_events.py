@@ -20,8 +20,8 @@ from firstcontact.exact.numbers import (
     above,
     ball_bounds,
     below,
+    dyadic,
     exact_value,
-    lowest,
     nearest_double,
     precision,
     to_double,
@@ -484,7 +484,7 @@ def _in_turn(boxes: np.ndarray) -> Iterator[tuple[np.ndarray, int]]:
 def _low(time: arb) -> float:
     """A double below all of the ball."""
     with precision(BITS + 64):
-        return below(lowest(time))
+        return below(dyadic(arb(time.lower())))
 
 
 def _ball_box(sides: np.ndarray) -> list[arb]:
