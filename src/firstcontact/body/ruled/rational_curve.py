@@ -14,6 +14,7 @@ from firstcontact.errors import InputError
 from firstcontact.exact.expressions import context, read_tuple
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.rigid import Matrix
+from firstcontact.exact.vectors import Vector
 from firstcontact.motion.translation import LARGEST
 from firstcontact.motion.value import numbers
 
@@ -78,6 +79,15 @@ class RationalCurve:
         curve = object.__new__(cls)
         curve.components = _primitive(components)
         return curve
+
+    @classmethod
+    def segment(cls, a: Vector, b: Vector) -> RationalCurve:
+        """From a to b over 0 <= u <= 1; a point where they are one."""
+        w = fmpz(1)
+        for x in (*a, *b):
+            w = w.lcm(x.q)
+        rows = [fmpz_poly([(x * w).p, ((y - x) * w).p]) for x, y in zip(a, b, strict=True)]
+        return cls.of([*rows, fmpz_poly([w])])
 
     # -- looking --------------------------------------------------------------------------------------------
 
@@ -163,6 +173,12 @@ class RationalCurve:
         rows = [[(x * scale).p for x in row] for row in matrix]
         x, y, z, w = self.components
         return RationalCurve.of([*(a * x + b * y + c * z + d * w for a, b, c, d in rows), scale * w])
+
+    def place(self, u: int) -> Vector:
+        """The point at a parameter, of a curve that rests."""
+        below = self.components[3](u)
+        x, y, z = (fmpq(c(u), below) for c in self.components[:3])
+        return x, y, z
 
     def points(self, u: ArrayLike) -> np.ndarray:
         """(..., 3) float64 points at rest, for u of any shape; it may be infinite, poles give NaN or infinity."""

@@ -334,8 +334,7 @@ class RuledSurface(Placing):
             return None
         if any(c.degree > 1 or c.components[3].degree() > 0 for c in curves):
             return None
-        (p, q), (r, t) = ([[fmpq(x(u), c.components[3](u)) for x in c.components[:3]] for u in (0, 1)] for c in curves)
-        first, second = (RationalCurve([[x, y - x] for x, y in zip(*ends, strict=True)]) for ends in ((p, r), (q, t)))
+        first, second = (RationalCurve.segment(*(curve.place(u) for curve in curves)) for u in (0, 1))
         trim = tuple(
             Trim(PARAMETERS.from_dict({(j, i): c for (i, j), c in terms(x.polynomial).items()})) for x in self.trim
         )
@@ -350,18 +349,14 @@ class RuledSurface(Placing):
             return None
         if any(c.degree > k or c.components[3].degree() > 0 for k, c in enumerate(curves)):
             return None
-        found = []
-        for curve, u in ((curves[0], 0), (curves[1], 0), (curves[1], 1)):
-            x, y, z = (fmpq(c(u), curve.components[3](u)) for c in curve.components[:3])
-            found.append((x, y, z))
-        return found
+        return [self.first.place(0), self.second.place(0), self.second.place(1)]
 
     def ruled_from(self, k: int) -> RuledSurface:
         """The triangle ruled from another one of its corners."""
         corners = self.corners()
         assert corners is not None
         a, b, c = corners[k:] + corners[:k]
-        first, second = (RationalCurve([[x, y - x] for x, y in zip(*ends, strict=True)]) for ends in ((a, a), (b, c)))
+        first, second = RationalCurve.segment(a, a), RationalCurve.segment(b, c)
         inner = frozenset(name for j, name in enumerate(SIDES) if SIDES[(j + k) % 3] in self.joined)
         return self._with(first=first, second=second, joined=inner)
 

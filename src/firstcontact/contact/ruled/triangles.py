@@ -11,7 +11,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import fmpq, fmpz_poly
+from flint import fmpq
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
@@ -72,21 +72,11 @@ def _triangles(body: Polyhedron) -> tuple[RuledSurface, ...]:
         diagonal = body.side_edge[k] >= len(body.edges)  # of the sides from each corner to the next
         joined = {name for name, inner in zip(("u0", "s1", "u1"), diagonal, strict=True) if inner}
         try:
-            piece = RuledSurface(_curve(a, a), _curve(b, c), name=body.name)
+            piece = RuledSurface(RationalCurve.segment(a, a), RationalCurve.segment(b, c), name=body.name)
         except InputError as error:
             raise UnsupportedPair(f"{who}: triangle {k} has no area; remove it") from error
         found.append(piece._with(joined=frozenset(joined)))
     return tuple(found)
-
-
-def _curve(a: Vector, b: Vector) -> RationalCurve:
-    """The segment from a to b, over 0 <= u <= 1."""
-    below = fmpz_poly([1])
-    for x in (*a, *b):
-        below = below * x.q
-    w = below[0]
-    rows = [fmpz_poly([(x * w).p, ((y - x) * w).p]) for x, y in zip(a, b, strict=True)]
-    return RationalCurve.of([*rows, below])
 
 
 def element_of(body: Polyhedron, triangle: int, kind: str, index: int) -> tuple[str, int]:
