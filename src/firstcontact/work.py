@@ -190,6 +190,11 @@ class Query:
         """The question about a part of the span, whose answer is as close in time."""
         return replace(self, first=first, last=last, tolerance=self.tolerance_within(first, last))
 
+    @property
+    def at_start(self) -> Query:
+        """The question about the start alone, however long that takes."""
+        return replace(self, last=self.first, budget=None, progress=None)
+
     def is_enough(self, free_until: float) -> bool:
         """Whether it does not matter what is proved of later times."""
         return self.enough is not None and exact_value(free_until) >= self.enough

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from amount import amount
-from firstcontact.contact.models.answer import _is_in_cone
+from firstcontact.contact.models.normals import is_in_cone
 
 
 def test_vectors_in_cones_and_beside_them():
@@ -21,7 +21,7 @@ def test_vectors_in_cones_and_beside_them():
         if not len(ends) or np.linalg.norm(n) < 1e-9:
             continue
         n, ends = n / np.linalg.norm(n), ends / np.linalg.norm(ends, axis=1, keepdims=True)
-        assert _is_in_cone(n, ends) == (nnls(ends.T, n)[1] <= 1e-6)
-        inside += _is_in_cone(n, ends)
+        assert is_in_cone(n, ends) == (nnls(ends.T, n)[1] <= 1e-6)
+        inside += is_in_cone(n, ends)
     assert inside > 100
-    assert not _is_in_cone(np.array([0.0, 0.0, 1.0]), np.zeros((0, 3)))
+    assert not is_in_cone(np.array([0.0, 0.0, 1.0]), np.zeros((0, 3)))

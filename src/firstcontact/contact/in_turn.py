@@ -121,7 +121,7 @@ def first_in_turn(
     turns = AskedSoFar()
     for own in ROUNDS if query.is_auto else ROUNDS[-1:]:
         ways += _first_ways(own, turns, in_doubles, exactly, is_told)
-    return answered([*ways, ways[-2]], query)
+    return answered(_to_the_end(ways), query)
 
 
 def _first_ways(
@@ -145,6 +145,11 @@ def _first_ways(
         return _beside(proved, decided(turns.asked(ask), query))
 
     return [Way("in doubles", by_doubles, turns.is_cut_short), Way("exactly", by_elimination, turns.is_open)]
+
+
+def _to_the_end(ways: list[Way[R]]) -> list[Way[R]]:
+    """With doubles once more at the end, without a limit, where they waited for elimination."""
+    return ways + ways[-2:-1]
 
 
 def _seen_nearby(query: Query, exactly: Exactly, proved: FirstContact) -> FirstContact | Passed:
@@ -215,4 +220,4 @@ def intervals_in_turn(
         if not query.is_algebraic:
             ways.append(Way("in doubles", partial(by_doubles, own), turns.is_cut_short))
         ways.append(Way("exactly", partial(by_elimination, own), turns.is_open))
-    return answered([*ways, *ways[-2:-1]], query)
+    return answered(_to_the_end(ways), query)

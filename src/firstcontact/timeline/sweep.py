@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import ClassVar, Generic, Protocol, TypeVar
 
@@ -373,18 +374,15 @@ class TimeSweep(Generic[W]):
         self.turns += 1
         if self.turns > self.most_turns:
             raise Unproved(t)
-        for (least, share), is_last in zip(AHEAD, (False, True), strict=True):
-            begin = t
+        begin = t
+        for least, share in AHEAD:
             t, point = self.lasting.until(window, t, window.last, point, least, self._follows)
             self.reached = t
             if t >= window.last:
                 return t, point
-            if t == begin and not is_last:  # nothing can be followed, and small steps are all there is
-                continue
-            try:
-                return self._left(window, t, point, share)
-            except Unproved:
-                continue
+            if t > begin or share == AHEAD[-1][1]:  # where nothing can be followed, small steps are all there is
+                with suppress(Unproved):
+                    return self._left(window, t, point, share)
         return self._finer(window, t)
 
     def _left(self, window: W, t: float, point: np.ndarray, share: float) -> tuple[float, np.ndarray | None]:

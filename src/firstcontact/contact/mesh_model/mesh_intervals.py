@@ -156,7 +156,7 @@ def _sweep_of(query: Query, work: Work, with_exact: bool) -> _MeshSweep:
     lasting = LastingOfMesh(mesh, LastingSolid(model), mesh_is_a, tips)
 
     def touches_at_start() -> np.ndarray | None:
-        return first(replace(query, last=query.first, budget=None, progress=None)).point
+        return first(query.at_start).point
 
     def between(t: float, end: float) -> FirstContact:
         span = max(exact_value(t), query.first), min(exact_value(end), query.end)

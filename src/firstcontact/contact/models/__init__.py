@@ -6,5 +6,5 @@ membership, contact_sets, largest_set, same_point, touched, flat_contacts   what
 moving_pair, forms, kept_directions, idle_turns, advancing   two models as one moves beside the other
 at_rest, last_instant   how they lie at one instant; standing: convex bodies that stay on one another
 certified, intervals   the search with proofs in doubles and balls
-answer          results out of what was found
+answer, normals   results out of what was found
 """

@@ -189,12 +189,6 @@ def _as_polyhedra(query: Query, _: object) -> FirstContact | Passed:
     return Passed(found.reason) if isinstance(found, Passed) else found
 
 
-def _may_be_polyhedra(query: Query) -> bool:
-    """Whether both are bounded by planes alone."""
-    surfaces = (surface for model in _models(query) for surface in shape_of(model).surfaces)
-    return not query.is_algebraic and all(isinstance(surface, Plane) for surface in surfaces)
-
-
 def _planar_intervals(query: Query, _: object) -> ContactIntervals | Passed:
     from firstcontact.contact.mesh_model import as_polyhedra
 
@@ -359,6 +353,8 @@ def intervals(query: Query) -> ContactIntervals:
     tolerance: as part of the span, of the certified path only; algebra is exact.
     """
     models = _models(query)
+    surfaces = (surface for model in models for surface in shape_of(model).surfaces)
+    planar = not query.is_algebraic and all(isinstance(surface, Plane) for surface in surfaces)
     free_until = query.span[0]
     shared = query.work()
 
@@ -389,11 +385,11 @@ def intervals(query: Query) -> ContactIntervals:
 
     return answered([
         Way("in doubles, if free", if_free, lambda query, _: not query.is_algebraic and query.budget is None),
-        Way("as polyhedra", _planar_intervals, lambda query, _: _may_be_polyhedra(query) and query.budget is None),
+        Way("as polyhedra", _planar_intervals, lambda query, _: planar and query.budget is None),
         Way("soon exactly", soon_decided, lambda query, _: query.is_auto and _may_soon_be_listed(query, models)),
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", lambda query, _: by_algebra(query, work(query)), lambda query, _: not query.is_certified),
-        Way("as polyhedra", _planar_intervals, lambda query, _: _may_be_polyhedra(query) and query.budget is not None),
+        Way("as polyhedra", _planar_intervals, lambda query, _: planar and query.budget is not None),
         Way("by upright parts", partial(upright_parts.intervals, ask=intervals), upright_parts.may_be_asked),
     ], query)  # fmt: skip
 

@@ -26,7 +26,7 @@ def intervals(
 ) -> ContactIntervals | Passed:
     """What `first` or `rest` tells of the times from a moment after the start on, with the touch then."""
     later = query.first + MOMENT * (query.end - query.first)
-    if not _is_touching(first(replace(query, last=query.first, progress=None))):
+    if not _is_touching(first(query.at_start)):
         return Passed("they do not touch at the start alone")
     own = replace(query, first=later)
     soon = first(own)

@@ -5,7 +5,7 @@ A vertex that lands on a corner touches all faces there, and the plane of a face
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,9 +32,9 @@ def best_apart(
     pairs: those that meet, of which the bodies' elements at the point are taken.  normals: of those of them in whose
     planes the bodies do not move; where none of these parts the bodies, the other planes are tried, which may.
     """
-    corners_a, corners_b = _corners(a, time), _corners(b, time)
-    spokes_a = _spokes(shape_of(a), corners_a, {pair[1] for pair in pairs}, point)
-    spokes_b = _spokes(shape_of(b), corners_b, {pair[2] for pair in pairs}, point)
+    both = [(shape_of(body), _corners(body, time)) for body in (a, b)]
+    met = [{pair[1] for pair in pairs}, {pair[2] for pair in pairs}]
+    spokes_a, spokes_b = (_spokes(*body, elements, point) for body, elements in zip(both, met, strict=True))
     spokes = np.vstack([spokes_a, -spokes_b])
     lengths = np.linalg.norm(spokes, axis=1)
     # far from the origin, doubles tell where corners are to no more than this
@@ -53,17 +53,12 @@ def best_apart(
     assert best is not None  # there is one at least
     if least <= near:
         return best
-    planes = (_across(*cells) for cells in _cells(a, b, corners_a, corners_b, pairs))
+    planes = (
+        _across(*(corners[vertices_of(shape, e)] for (shape, corners), e in zip(both, pair[1:], strict=True)))
+        for pair in pairs
+    )
     others = [n for n in planes if n is not None and not any(abs(n @ told) > 1.0 - NEAR for told in seen)]
     return next((side for n in others for side in (n, -n) if reach(side) <= near), best)
-
-
-def _cells(
-    a: Body, b: Body, corners_a: np.ndarray, corners_b: np.ndarray, pairs: list[Pair]
-) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """The corners of both elements of each pair."""
-    for pair in pairs:
-        yield corners_a[vertices_of(shape_of(a), pair[1])], corners_b[vertices_of(shape_of(b), pair[2])]
 
 
 def _across(cell_a: np.ndarray, cell_b: np.ndarray) -> np.ndarray | None:

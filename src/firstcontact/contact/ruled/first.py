@@ -23,7 +23,7 @@ from firstcontact.contact.signs import exactly
 from firstcontact.contact.signs.conditions import conditions
 from firstcontact.contact.signs.exactly import PiecePair, span_of
 from firstcontact.contact.signs.sheets import Reach, TooLarge
-from firstcontact.contact.signs.starts import at_start, with_start
+from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.times import Times
 from firstcontact.contact.signs.touches import touch
 from firstcontact.contact.swapped import swapped
@@ -82,7 +82,7 @@ def _of_convex(query: Query) -> FirstContact:
 
 
 def _all_of_convex(query: Query, work: Work) -> ContactIntervals:
-    found = tried(lambda: by_search.intervals(query, work, lambda: first(at_start(query))))
+    found = tried(lambda: by_search.intervals(query, work, lambda: first(query.at_start)))
     return _all_in_doubles(query, work) if isinstance(found, Passed) else found
 
 

@@ -27,7 +27,7 @@ from firstcontact.contact.ruled_solid.solid_touches import lies, solid_touch
 from firstcontact.contact.signs import exactly
 from firstcontact.contact.signs.exactly import PiecePair, span_of
 from firstcontact.contact.signs.sheets import Reach
-from firstcontact.contact.signs.starts import at_start, with_start
+from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.contact.swapped import swapped
 from firstcontact.exact.numbers import below
@@ -80,7 +80,7 @@ def intervals(query: Query) -> ContactIntervals:
         return exactly.as_intervals(*windows, query, work)
 
     def in_doubles(query: Query, work: Work) -> ContactIntervals:
-        return certified.intervals(query, work, lambda: first(at_start(query)))
+        return certified.intervals(query, work, lambda: first(query.at_start))
 
     return intervals_in_turn(query, certified.first, in_doubles, decide)
 

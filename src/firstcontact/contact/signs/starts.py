@@ -45,11 +45,6 @@ def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstCo
     return found if told is None else replace(told, stats=found.stats + told.stats)
 
 
-def at_start(query: Query) -> Query:
-    """The query about the start alone."""
-    return replace(query, last=query.first, budget=None, progress=None)
-
-
 def _of_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstContact | None:
     """What is told of the bodies at rest, as to the query; None where they are not proved to share a point."""
     told = tried(lambda: answer(_at_rest(query)))
