@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction as F
 
+import numpy as np
 import pytest
 
 import firstcontact as fc
@@ -47,3 +48,25 @@ def test_a_corner_that_the_screw_takes_to_the_ball(axis, length):
     hit = fc.first_contact(mesh, fc.sphere(1).translated((-3, 0, 1)), (1, 2))
     assert hit.status is fc.Status.INITIAL_CONTACT and hit.initial == "touching"
     assert hit.point == pytest.approx([-2, 0, 1], abs=1e-12)
+
+
+ANGLE = fc.Polyhedron(
+    [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2))],
+    [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], *[[k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6] for k in range(6)]],
+)
+"""Its face in the plane x = 0 touches what is on the other side there."""
+
+
+@pytest.mark.parametrize("beside", ["ball", "can"])
+@pytest.mark.parametrize("motion", ["sequence", "trajectory"])
+def test_steps_whose_equations_are_not_rational_start_in_a_pose_that_is(beside, motion):
+    """Of a lone Screw the start was asked about at rest; of steps of screws it was UNDECIDED."""
+    other = {"ball": fc.sphere("1/2"), "can": fc.cylinder("1/2", 1)}[beside].translated(("-1/2", "1/2", "1/2"))
+    away = fc.Screw((1, 0, 0), degrees=20, advance=1)
+    steps = fc.Sequence([away, fc.Screw((1, 1, 0), degrees=10, advance=1)])
+    if motion == "trajectory":
+        steps = fc.Trajectory([0, 1, 2], [np.array(steps(t)) for t in (0, 0.5, 1)], interpolation="screw")
+    for a, b in ((ANGLE.moving(steps), other), (other, ANGLE.moving(steps))):
+        hit = fc.first_contact(a, b)
+        assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "touching")
+        assert abs(hit.point[0]) < 1e-9
