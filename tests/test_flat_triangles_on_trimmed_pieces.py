@@ -10,8 +10,10 @@ import itertools
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
+from firstcontact.body.ruled.rational_curve import RationalCurve
 from firstcontact.contact.ruled.crossing import across
 from firstcontact.contact.ruled.triangles import triangles_of
 
@@ -90,3 +92,17 @@ def test_no_ruling_of_the_triangle_lies_along_the_disc(order):
                      for c, u in ((piece.first, 0), (piece.second, 0), (piece.second, 1)))  # fmt: skip
     first, last = (end - corner for end in ends)
     assert first[0] * last[0] > 0
+
+
+@pytest.mark.parametrize("k", [0, 1, 2])
+@pytest.mark.parametrize("inner", [0, 1, 2])
+def test_inner_sides_stay_inner_when_the_triangle_is_ruled_from_another_corner(k, inner):
+    """A diagonal of a face, by the corners at both of its ends; u0, s1 and u1 go around from the first corner."""
+    names, corners = ("u0", "s1", "u1"), [tuple(map(fmpq, x)) for x in ((0, 0, 0), (2, 0, 1), (2, 3, 0))]
+    a, b, c = corners
+    piece = fc.RuledSurface(RationalCurve.segment(a, a), RationalCurve.segment(b, c))
+    turned = piece._with(joined=frozenset({names[inner]})).ruled_from(k)
+    (told,) = turned.joined
+    side, around = names.index(told), turned.corners()
+    assert around[0] == corners[k]
+    assert {around[side], around[(side + 1) % 3]} == {corners[inner], corners[(inner + 1) % 3]}

@@ -7,8 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
+from firstcontact.contact.polyhedra.after_start import intervals
+from firstcontact.contact.ways import Passed
+from firstcontact.work import Query
 
 RING = (0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)
 SIDES = [[k, (k + 1) % 6, 6 + (k + 1) % 6, 6 + k] for k in range(6)]
@@ -56,3 +60,22 @@ def test_what_slides_on_is_left_to_the_other_ways():
     """About an axis across the face it stays in its plane: there is contact at all times."""
     told = fc.contact_intervals(ANGLE.moving(fc.Screw((1, 0, 0), (0, 1, 1), degrees=20, advance=0)), BEHIND)
     assert [(x.start, x.end) for x in told] == [(0, 1)]
+
+
+@pytest.mark.parametrize("later", ["touching", None, "undecided"])
+def test_what_still_touches_a_moment_later_is_not_told_from_there(later):
+    """In poses that are not rational no flush contact is decided: the ways that begin at the start tell more."""
+    body = ANGLE.moving(fc.Screw((1, 1, 0), degrees=50, advance=1))
+    query = Query(body, BEHIND, fmpq(0), fmpq(1))
+
+    def first(own):
+        if own.first > 0 and later == "undecided":
+            return fc.FirstContact(fc.Status.UNDECIDED, free_until=0.0, reason="precision", **own.shared)
+        kind = "touching" if own.first == 0 else later
+        return fc.FirstContact(fc.Status.INITIAL_CONTACT, 0.0, (0.0, 0.0), initial=kind, **own.shared)
+
+    def rest(own):
+        raise AssertionError("it is not asked")
+
+    told = intervals(query, first, rest)
+    assert isinstance(told, Passed) and told.proved is None

@@ -11,6 +11,7 @@ from random import Random
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq, minimize
 
 import firstcontact as fc
 from amount import amount
@@ -300,3 +301,24 @@ def test_all_contacts_of_what_touches_at_the_start_and_screws_away_or_on(body):
     assert told.start == 0 and 0.3 < told.end < 0.6
     rest = fc.contact_intervals(SADDLE, BESIDE[body].moving(on), (told.end_interval[1] + 1e-9, 1))
     assert rest.status is fc.Status.FREE
+
+
+def test_the_end_of_what_screws_on_from_the_start_is_where_the_ball_leaves_the_surface():
+    """The distance of the ball's middle from the surface, by scipy."""
+    on = fc.Screw((1, 1, 0), degrees=50, advance=-1)
+
+    def gap(t):
+        pose = np.array(on(t))
+        middle = pose[:3, :3] @ (0.5, 0.5, 0.5) + pose[:3, 3]
+
+        def away(place):
+            u, s = place
+            point = (1 - s) * np.array([-(u**2), u, 0]) + s * np.array([0, 0, 1]) + (0, 0.5, 0.5)
+            return float(((point - middle) ** 2).sum())
+
+        starts = [(u, s) for u in (0.1, 0.5, 0.9) for s in (0.1, 0.5, 0.9)]
+        found = (minimize(away, x, bounds=[(0, 1), (0, 1)], tol=1e-15) for x in starts)
+        return min(x.fun for x in found) ** 0.5 - 0.5
+
+    (told,) = fc.contact_intervals(SADDLE, BESIDE["a ball"].moving(on))
+    assert told.end == pytest.approx(brentq(gap, 0.2, 0.6, xtol=1e-12), abs=1e-7)

@@ -13,7 +13,7 @@ from amount import amount
 from firstcontact.body.solid import primitives
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import windows
-from firstcontact.timeline.lasting import LastingOfModels, LastingSolid, is_negative
+from firstcontact.timeline.lasting import Drift, LastingOfModels, LastingSolid, is_negative
 
 SHAPES = {
     "ball": (primitives.sphere(1), lambda x: np.linalg.norm(x, axis=-1) - 1.0),
@@ -113,6 +113,22 @@ def test_quadratics_in_balls_are_negative_for_all_their_members():
             c, b, a = middles[:, None] + radii[:, None] * rng.uniform(-1, 1, (3, 41))
             assert np.all(c + b * s + a * s * s < 0.0)
     assert told > 10
+
+
+def test_a_form_along_a_drift_is_its_value_there():
+    """By Fractions, of whole numbers: x^T M x at x + offset + s rate."""
+    rng = np.random.default_rng(281130)
+    for _ in range(50):
+        half = rng.integers(-4, 5, (4, 4))
+        m, (x, offset, rate) = half + half.T, rng.integers(-5, 6, (3, 3))
+        s = int(rng.integers(0, 6))
+        there = np.array([*(x + offset + s * rate), 1])
+        rows = [[arb(int(c)) for c in row] for row in m]
+        drift = Drift(*([arb(int(c)) for c in v] for v in (offset, rate)), arb(6))
+        start = np.array([*x, 1])
+        image = [arb(int(c)) for c in m @ start]
+        constant, first, second = drift.on_form(rows, image, arb(int(start @ m @ start)))
+        assert constant + first * s + second * s**2 == int(there @ m @ there)
 
 
 def test_a_step_goes_as_far_as_the_way_is_nearly_straight():

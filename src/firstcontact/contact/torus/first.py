@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -75,10 +74,7 @@ class _TorusSearch:
         return None if found is None else found[0]
 
     def intervals(self) -> ContactIntervals:
-        found = self.sweep.run()
-        if self.query.budget is None and found.reason == "budget":  # of its own
-            found = replace(found, reason="precision")
-        return proved_intervals(found, self.work, self.query)
+        return proved_intervals(self.sweep.run(), self.work, self.query)
 
     def first(self) -> FirstContact:
         self.reached = self.query.span[0]
