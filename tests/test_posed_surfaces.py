@@ -378,6 +378,25 @@ def test_a_coin_on_a_board_under_a_screw(name):
         hit, found = fc.first_contact(a, b), fc.contact_intervals(a, b)
         assert hit.status is fc.Status.CONTACT and hit.time_interval == (0.375, 0.375)
         assert [(x.start_interval, x.end_interval) for x in found] == [((0.375, 0.375), (end, end))]
+        x, y, z = hit.point
+        assert z == pytest.approx(4 if b is COIN else 1, abs=1e-12) and math.hypot(x, y) < 1 + 1e-12
+        assert hit.element_a is not None and hit.element_b is not None
+
+
+@pytest.mark.parametrize("unit, angle", [("degrees", 1000), ("radians", 3), ("turns", 1)])
+def test_a_flat_piece_across_a_screw_tells_where_it_lands(unit, angle):
+    """What met at once was told without a point: it is on the face, and turned back in the piece."""
+    strip = fc.RuledSurface("(4, -2/(1 + u), -3/2)", "(4, -2/(1 + u), -2/3)", s=(-3, 3))
+    wall = fc.examples.box((2, 2, 1)).translated((1, -1, -1.5))
+    hit = fc.first_contact(strip.moving(fc.Screw((1, 0, 0), (2, -1, -2), advance=-6, **{unit: angle})), wall)
+    assert hit.status is fc.Status.CONTACT and hit.time_interval[0] <= 1 / 3 <= hit.time_interval[1]
+    turned = angle / 3 * {"degrees": math.pi / 180, "radians": 1, "turns": 2 * math.pi}[unit]
+    x, y, z = hit.point
+    assert x == pytest.approx(2) and -2 - 1e-9 <= y <= 1e-9 and -2 - 1e-9 <= z <= -1 + 1e-9
+    back = np.array([[math.cos(turned), math.sin(turned)], [-math.sin(turned), math.cos(turned)]]) @ (y + 1, z + 2)
+    own_y, own_z = back + (-1, -2)
+    assert -2 - 1e-9 <= own_y <= -1 + 1e-9 and -4 - 1e-9 <= own_z <= 1 + 1e-9
+    assert hit.element_a is not None and hit.element_b is not None
 
 
 @pytest.mark.parametrize("name", ["solid", "mesh"])

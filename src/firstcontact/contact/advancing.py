@@ -17,6 +17,7 @@ from firstcontact.exact.numbers import above, below
 from firstcontact.exact.rigid import rational_sqrt
 from firstcontact.exact.vectors import Vector, cross, dot, scaled, sub
 from firstcontact.motion.moving import Moving
+from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
@@ -82,6 +83,24 @@ def _level(body: Body, normal: Vector) -> tuple[Body, fmpq] | None:
     if isinstance(motion, Rotation):
         return Moving(body.body, turn), fmpq(0)
     return None if length is None else (Moving(body.body, turn), motion.advance / length * dot(motion.axis, normal))
+
+
+def without_turn(query: Query, time: fmpq) -> Query:
+    """The same question of bodies that stand turned all along as they do at the time, nearly, and come and go alike."""
+    normal = axis_of_screw(query)
+    assert normal is not None
+    a, b = (_standing(body, normal, time) for body in query.bodies)
+    return replace(query, a=a, b=b)
+
+
+def _standing(body: Body, normal: Vector, time: fmpq) -> Body:
+    """The body, at one turn; the pose is rational, so that what is level stays so exactly."""
+    level = _level(body, normal)
+    if not isinstance(body, Moving) or level is None:
+        return body
+    way = scaled(level[1] / dot(normal, normal), normal)
+    there = body.body.transformed([*placement_at(body, time).near(), (0, 0, 0, 1)])
+    return Moving(there.translated(scaled(-time, way)), Translation(way))
 
 
 def in_longer_span(found: ContactIntervals, asked: Query, query: Query) -> ContactIntervals:

@@ -15,7 +15,7 @@ import numpy as np
 from flint import fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.advancing import Apart, Upright, axis_of_screw, in_longer_span, without_advance
+from firstcontact.contact.advancing import Apart, Upright, axis_of_screw, in_longer_span, without_advance, without_turn
 from firstcontact.contact.models.advancing import upright as upright_solid
 from firstcontact.contact.polyhedra.prisms import upright as upright_prism
 from firstcontact.contact.swapped import swapped
@@ -50,13 +50,30 @@ def first_of_level(answer: First) -> First:
             return _raised(found, query)
         if found.status is Status.UNDECIDED or other.first == query.first:
             return answer(query)
-        times = below(other.first), above(other.first)
-        return FirstContact(
-            Status.CONTACT, to_double(other.first), times, multiplicity=1, free_until=times[0], stats=found.stats,
-            **query.shared,
-        )  # fmt: skip
+        return _landed(answer, query, other.first, found)
 
     return asked
+
+
+def _landed(answer: First, query: Query, time: fmpq, found: FirstContact) -> FirstContact:
+    """The first contact of bodies that share points as soon as their heights meet, at the time.
+
+    found: what was told of the bodies without their advance.  What meets is told of them without their turn, which
+    come together at the same time, in nearly the same place.
+    """
+    times = below(time), above(time)
+    told = FirstContact(
+        Status.CONTACT, to_double(time), times, multiplicity=1, free_until=times[0], stats=found.stats, **query.shared
+    )
+    straight = tried(lambda: answer(without_turn(query, time)))
+    if isinstance(straight, Passed) or straight.status is not Status.CONTACT:
+        return told
+    lands = straight.time_interval is not None and straight.time_interval[0] <= times[1]
+    return replace(
+        told, point=straight.point, normal=straight.normal, element_a=straight.element_a,
+        element_b=straight.element_b, contact_set=straight.contact_set, others=straight.others,
+        multiplicity=straight.multiplicity, stats=found.stats + straight.stats,
+    ) if lands else told  # fmt: skip
 
 
 def _raised(found: FirstContact, query: Query) -> FirstContact:
