@@ -151,7 +151,8 @@ def straight_balls(rng: Random) -> Scene:
 
 
 def waves(a: F, b: F, c: F, turns: F, span: tuple[F, F]) -> list[tuple[F, F]] | None:
-    """Times of the span at which a cos(x) + b sin(x) <= c, x = 2 pi turns t; to 150 bits.  None near a graze."""
+    """Times of the span at which a cos(x) + b sin(x) <= c, x = 2 pi turns t; to 150 bits.  None near a graze, and
+    where one may end or begin at the span's own ends."""
     top = ex.root(a * a + b * b, 200)
     if not top or abs(abs(c) - top) < top / 10**4:
         return None
@@ -174,6 +175,8 @@ def waves(a: F, b: F, c: F, turns: F, span: tuple[F, F]) -> list[tuple[F, F]] | 
     found = []
     for k in range(int(lo) - 3, int(hi) + 4):
         p, q = max(lo, low + k), min(hi, high + k)
+        if min(abs(hi - low - k), abs(high + k - lo)) < F(1, 2**150):
+            return None
         if p <= q:
             found.append((p / turns, q / turns) if not flip else (q / turns, p / turns))
     return sorted(found)

@@ -20,11 +20,11 @@ from firstcontact.contact.mesh_model import exactly
 from firstcontact.contact.mesh_model.by_triangles import first, first_in_doubles, holds_model, lands, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
-from firstcontact.contact.mesh_model.sole_pair import sole_pair
+from firstcontact.contact.mesh_model.sole_pair import outward_normal, pose_of, sole_pair
 from firstcontact.contact.mesh_model.tip_ways import TipWays, ways_of
 from firstcontact.contact.models.certified import bounded
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
-from firstcontact.contact.ways import Passed, Way, answered, decided
+from firstcontact.contact.ways import Passed, Way, answered, decided, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import above, below, exact_value
 from firstcontact.motion.moving import shape_of
@@ -37,6 +37,8 @@ from firstcontact.timeline.lasting import LastingSolid
 from firstcontact.timeline.sweep import Certified, FirstTouch, Found, TimeSweep, Unproved
 from firstcontact.work import Query, Spent, Work
 
+ROUGHLY = 64
+"""How many times the tolerance the time of a contact may be off when doubles are asked what touches."""
 QUICK_STEPS = 3000
 """Candidates and looks between them that are made before doubles are asked: some tenths of a second."""
 
@@ -122,8 +124,10 @@ def _reach(found: ContactIntervals) -> float:
 
 @ignoring_idle_turns
 def first_by_points(query: Query) -> FirstContact:
-    """The first contact as intervals tell it: with a point proved to be common at once after it, and elements of a bare
-    point where no others are possible."""
+    """The first contact as intervals tell it: with a point proved to be common at once after it.
+
+    Elements are those of a bare point where no others are possible, else what is told of the time less closely.
+    """
     try:
         found = _sweep_of(query, query.work(), False).first()
     except Unproved as stopped:
@@ -138,7 +142,33 @@ def first_by_points(query: Query) -> FirstContact:
         Status.CONTACT, time=likely_time(times), time_interval=times, point=found.point, free_until=found.lo,
         stats=query.stats(), **query.shared,
     )  # fmt: skip
-    return replace(hit, **named)
+    return replace(hit, **named) if named else _named_roughly(hit, query)
+
+
+def _named_roughly(hit: FirstContact, query: Query) -> FirstContact:
+    """With what doubles say touches, if they tell the time to within some times the tolerance: they lack few digits."""
+    rough = tried(lambda: first_in_doubles(replace(query, tolerance=ROUGHLY * query.tolerance)))
+    if isinstance(rough, Passed) or rough.status is not Status.CONTACT:
+        return hit
+    normal = _of_face(rough, hit)
+    return replace(
+        hit, normal=rough.normal if normal is None else normal, element_a=rough.element_a, element_b=rough.element_b,
+        multiplicity=rough.multiplicity, contact_set=rough.contact_set, stats=hit.stats + rough.stats,
+    )  # fmt: skip
+
+
+def _of_face(rough: FirstContact, hit: FirstContact) -> np.ndarray | None:
+    """The normal of the model's face that is told roughly, where the contact is; None of other elements."""
+    mesh_is_a = isinstance(shape_of(hit.a), Polyhedron)
+    moving_model, known = (hit.b, rough.element_b) if mesh_is_a else (hit.a, rough.element_a)
+    model: CompositeQuadric = shape_of(moving_model)
+    if known is None or known.kind != "face" or model.source is not None or hit.time is None or hit.point is None:
+        return None
+    pose, face = pose_of(moving_model, hit.time), model.faces[known.index]
+    gradient = face.orientation * model.gradient(face.surfaces[0], np.linalg.solve(pose, np.append(hit.point, 1.0))[:3])
+    if not gradient.any():
+        return None
+    return outward_normal(pose, gradient if mesh_is_a else -gradient)
 
 
 def _sweep_of(query: Query, work: Work, with_exact: bool) -> _MeshSweep:

@@ -50,9 +50,8 @@ def sole_pair(
     if len(faces) != 1 or normal is None:
         return {}
     which, other = ("a", "b") if mesh_is_a else ("b", "a")
-    pose = moving_model.motion(0.5 * (times[0] + times[1])) if isinstance(moving_model, Moving) else np.eye(4)
-    outward = np.linalg.solve(pose[:3, :3].T, np.array(normal) * faces[0].orientation)
-    outward /= np.linalg.norm(outward)
+    pose = pose_of(moving_model, 0.5 * (times[0] + times[1]))
+    outward = outward_normal(pose, np.array(normal) * faces[0].orientation)
     name = mesh.name or which
     elements = Element("vertex", name, vertex, name), element(model, faces[0], other, point)
     first, second = elements if mesh_is_a else elements[::-1]
@@ -60,6 +59,18 @@ def sole_pair(
         "element_a": first, "element_b": second, "normal": outward if mesh_is_a else -outward, "multiplicity": 1,
         "contact_set": ContactSet("point", point[None]),
     }  # fmt: skip
+
+
+def pose_of(model: Body, time: float) -> np.ndarray:
+    """(4, 4)"""
+    return model.motion(time) if isinstance(model, Moving) else np.eye(4)
+
+
+def outward_normal(pose: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+    """(3,): unit, where a gradient in the model's frame points in the pose."""
+    normal = np.linalg.solve(pose[:3, :3].T, gradient)
+    unit: np.ndarray = normal / np.linalg.norm(normal)
+    return unit
 
 
 def _possible(mesh: Polyhedron, model: CompositeQuadric, piece: CurvedPiece) -> set[Pair]:

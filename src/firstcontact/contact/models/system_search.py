@@ -28,7 +28,7 @@ SMALL = 1e-5
 """Half-width, in units of the whole box, from which on Krawczyk's test is tried."""
 LEAST = 1e-9
 """Half-width at which a box stays open."""
-MOST_BOXES = 400_000
+MOST_BOXES = 60_000
 """Boxes looked at in one slab before what is left stays open."""
 OVERLAP = 1.02
 """Halves are larger than half by this, so that a zero at their border lies inside one."""
