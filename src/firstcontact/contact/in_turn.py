@@ -44,6 +44,8 @@ STILL = 2.0**-20
 NEARBY = fmpq(1, 2**30)
 """Part of the span around a time proved in doubles in which it is decided exactly."""
 
+IN_DOUBLES = "in doubles"
+
 T = TypeVar("T")
 
 
@@ -56,6 +58,8 @@ class AskedSoFar:
     exhausted  whether elimination did.
     until      up to when doubles told all; None: they were not asked yet.
     stuck      whether they got no farther when they were asked again.
+    searches   how often they were asked.
+    looked     right after which time elimination was asked.
     """
 
     refused: bool = False
@@ -63,6 +67,8 @@ class AskedSoFar:
     exhausted: bool = False
     until: float | None = None
     stuck: bool = False
+    searches: int = 0
+    looked: float | None = None
 
     def boxes(self, own: Round) -> int | None:
         """How far doubles go in a round."""
@@ -72,6 +78,7 @@ class AskedSoFar:
 
     def note(self, proved: FirstContact | ContactIntervals) -> None:
         """What doubles tell in a round."""
+        self.searches += 1
         if proved.free_until is not None:
             step = STILL * (proved.span[1] - proved.span[0])
             self.stuck = self.until is not None and proved.free_until <= self.until + step
@@ -97,6 +104,12 @@ class AskedSoFar:
         """Whether doubles may tell more in a longer search."""
         waits = self.stuck and not self.refused and not self.exhausted
         return not query.is_algebraic and not self.ended and not waits and _may_tell_more(proved)
+
+    def has_stopped(self, query: Query, proved: FirstContact | None) -> bool:
+        """Whether doubles stopped, in a search that was not short, at a time right after which nothing is told yet."""
+        if proved is None or proved.reason != "budget" or proved.free_until in (None, proved.span[0], self.looked):
+            return False
+        return self.searches > 1 and self.is_open(query, proved)
 
     def is_open(self, query: Query, _: FirstContact | ContactIntervals | None) -> bool:
         """Whether elimination may."""
@@ -144,12 +157,29 @@ def _first_ways(
         ask = partial(exactly, _limited(query, far.steps), far.reach)
         return _beside(proved, decided(turns.asked(ask), query))
 
-    return [Way("in doubles", by_doubles, turns.is_cut_short), Way("exactly", by_elimination, turns.is_open)]
+    def soon(query: Query, proved: FirstContact | None) -> FirstContact | Passed:
+        assert proved is not None and proved.free_until is not None
+        turns.looked = proved.free_until
+        return _seen_soon(_limited(query, own.steps), exactly, proved.free_until, own.reach)
+
+    return [
+        Way(IN_DOUBLES, by_doubles, turns.is_cut_short), Way("exactly, soon", soon, turns.has_stopped),
+        Way("exactly", by_elimination, turns.is_open),
+    ]  # fmt: skip
 
 
 def _to_the_end(ways: list[Way[R]]) -> list[Way[R]]:
     """With doubles once more at the end, without a limit, where they waited for elimination."""
-    return ways + ways[-2:-1]
+    return ways + [way for way in ways if way.name == IN_DOUBLES][-1:]
+
+
+def _seen_soon(query: Query, exactly: Exactly, until: float, reach: Reach) -> FirstContact | Passed:
+    """What elimination tells of the time right after one up to which all is free: doubles seldom stop elsewhere."""
+    first = max(query.first, exact_value(until))
+    near = exactly(replace(query, first=first, last=min(query.end, first + NEARBY * (query.end - query.first))), reach)
+    if near.status is not Status.CONTACT:
+        return Passed("no contact soon" if near.reason is None else near.reason)
+    return replace(near, span=query.span)
 
 
 def _seen_nearby(query: Query, exactly: Exactly, proved: FirstContact) -> FirstContact | Passed:
@@ -218,6 +248,6 @@ def intervals_in_turn(
     ways: list[Way[ContactIntervals]] = []
     for own in ROUNDS if query.is_auto else ROUNDS[-1:]:
         if not query.is_algebraic:
-            ways.append(Way("in doubles", partial(by_doubles, own), turns.is_cut_short))
+            ways.append(Way(IN_DOUBLES, partial(by_doubles, own), turns.is_cut_short))
         ways.append(Way("exactly", partial(by_elimination, own), turns.is_open))
     return answered(_to_the_end(ways), query)
