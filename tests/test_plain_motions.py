@@ -131,3 +131,41 @@ def test_few_copies_of_a_shape_are_kept():
         there = fc.Trajectory([0, 1], [shifted((0, 0, height)), shifted((0, 0, 1))])
         assert fc.first_contact(box.moving(there), floor).time == 1.0
         assert 0 < len(_PLACED.of(box, dict)) <= MOST_PLACED
+
+
+DISC = ("(u, -1, {0})", "(u, 1, {0})", ["u**2 + (2*s - 1)**2 <= 1"])
+
+
+@pytest.mark.parametrize("height, velocity", [("2*T", (0, 0, 2)), ("1/3 - T/7", (0, 0, F(-1, 7))), ("1", (0, 0, 0)),
+                                              ("T**2", None), ("u*T", None), ("1/(1 + T)", None)])  # fmt: skip
+def test_what_deforms_by_a_shift_alone_is_known(height, velocity):
+    first, second, trim = DISC
+    piece = fc.RuledSurface(first.format(height), second.format(height), u=(-1, 1), trim=trim)
+    told = piece.velocity if piece.deforming or velocity is not None else None
+    assert told == velocity or [F(int(x.p), int(x.q)) for x in told] == list(velocity)
+
+
+def test_the_sides_of_a_piece_that_shift_unlike_are_no_shift():
+    assert fc.RuledSurface("(u, 0, T)", "(u, 1, 2*T)").velocity is None
+    assert fc.RuledSurface("(u, 0, 0)", "(u, 1, 2*T)").velocity is None
+    assert fc.RuledSurface("(u/(1 + u), 0, T)", "(u, 1, T)").velocity == (0, 0, 1)
+
+
+@pytest.mark.parametrize("span", [(0, 1), (F(1, 4), 3)])
+def test_a_piece_that_shifts_is_told_as_one_that_is_moved(span):
+    """Found outside: a plate (u, -1, 2 T) that comes flush with a disc was undecided, not one that is moved."""
+    first, second, trim = DISC
+    shifting = fc.RuledSurface("(u, -1, 2*T)", "(u, 1, 2*T)", u=(-1, 1), name="plate")
+    moved = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), name="plate").moving(fc.Translation((0, 0, 2)))
+    disc = fc.RuledSurface(first.format(1), second.format(1), u=(-1, 1), trim=trim)
+    boxes = (x.translated((0, 0, "3/2")) for x in (fc.box((1, 1, 1)), fc.examples.box((1, 1, 1))))
+    for other in (disc, *boxes):
+        hit, like = (fc.first_contact(x, other, span) for x in (shifting, moved))
+        assert hit.a is shifting and (hit.time_interval, hit.element_a, hit.element_b, hit.others) == (
+            like.time_interval, like.element_a, like.element_b, like.others)  # fmt: skip
+        assert hit.time_interval[0] <= 0.5 <= hit.time_interval[1] and hit.span == like.span
+        back = fc.first_contact(other, shifting, span)
+        assert back.b is shifting and back.time_interval == hit.time_interval
+        found = fc.contact_intervals(shifting, other, span)
+        assert found.a is shifting and [(x.start, x.end) for x in found] == [
+            (x.start, x.end) for x in fc.contact_intervals(moved, other, span)]  # fmt: skip

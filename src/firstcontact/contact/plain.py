@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
 
 from flint import fmpq
 
@@ -34,6 +34,8 @@ from firstcontact.work import Query
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body, Shape
+    from firstcontact.body.ruled.strip import RuledStrip
+    from firstcontact.body.ruled.surface import RuledSurface
     from firstcontact.motion.kinds import AnyMotion
 
 R = TypeVar("R", FirstContact, ContactIntervals)
@@ -64,6 +66,12 @@ class Plain:
         return place_key(self.before)
 
 
+def deforms(body: Body) -> TypeGuard[RuledSurface | RuledStrip]:
+    """Whether it is a ruled surface that changes with the time in its own place."""
+    return bool(getattr(body, "deforming", False))
+
+
+_START = Kept[Any]()
 _PLACED = Kept[dict[tuple[PlaceKey, str | None], Any]]()
 MOST_PLACED = 32
 """Copies of a shape that are kept."""
@@ -90,9 +98,13 @@ def asked(answer: Callable[[Query], R], query: Query) -> R:
 
 
 def plainly(body: Body, first: fmpq, last: fmpq | None) -> Body:
-    """The same over these times, moved by a Translation, Rotation or Screw; the body itself where it cannot be."""
+    """The same over these times, moved by a Translation, Rotation or Screw; the body itself where it cannot be.
+
+    A ruled surface that deforms by shifting alone moves by a Translation, too.
+    """
     if not isinstance(body, Moving):
-        return body
+        way = body.velocity if deforms(body) else None
+        return body if way is None else Moving(_START.of(body, lambda: body.at(0)), Translation(way))
     if _is_no_screw(body):
         return Moving(body.body, simple(body.motion))
     if not isinstance(body.motion, _OF_STEPS):

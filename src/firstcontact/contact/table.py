@@ -158,6 +158,8 @@ def _is_of_one_step(query: Query) -> bool:
 
     What is a plainer motion, such as a screw that only turns, is asked about as that instead.
     """
+    if any(map(plain.deforms, query.bodies)):  # one may be a body that shifts
+        return False
     moving = [x.motion for x in query.bodies if isinstance(x, Moving)]
     return not moving or (len(moving) == 1 and isinstance(moving[0], Motion) and moving[0].is_one_step)
 

@@ -97,6 +97,23 @@ class RationalCurve:
         return isinstance(self.components[0], fmpz_mpoly)
 
     @property
+    def velocity(self) -> Vector | None:
+        """By how much the curve shifts in a unit of time, where it does nothing else; None of other deforming ones.
+
+        >>> RationalCurve.parse("(u, 1 - 2*T, 1/3)").velocity
+        (0, -2, 0)
+        """
+        *rows, below = map(terms, self.components)
+        if any(j for _, j in below) or any(j > 1 for row in rows for _, j in row):
+            return None
+        weight = {i: c for (i, _), c in below.items()}
+        one = next(iter(weight))
+        ahead = [{i: c for (i, j), c in row.items() if j} for row in rows]
+        way = [fmpq(row.get(one, 0), weight[one]) for row in ahead]
+        shifts = all(row == {i: v * c for i, c in weight.items() if v} for row, v in zip(ahead, way, strict=True))
+        return (way[0], way[1], way[2]) if shifts else None
+
+    @property
     def degree(self) -> int:
         """In u, as a projective curve."""
         return max(i for x in self.components for i, _ in terms(x))

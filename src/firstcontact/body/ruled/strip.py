@@ -17,6 +17,7 @@ from firstcontact.exact.rigid import Matrix
 if TYPE_CHECKING:
     from firstcontact.body.polyhedron.polyhedron import Polyhedron
     from firstcontact.exact.numbers import Given
+    from firstcontact.exact.vectors import Vector
     from firstcontact.result import Table
 
 
@@ -42,6 +43,12 @@ class RuledStrip(Placing):
     @property
     def deforming(self) -> bool:
         return any(piece.deforming for piece in self.pieces)
+
+    @property
+    def velocity(self) -> Vector | None:
+        """As that of RuledSurface, of all pieces."""
+        ways = {piece.velocity for piece in self.pieces}
+        return ways.pop() if len(ways) == 1 else None
 
     @property
     def bounded(self) -> bool:

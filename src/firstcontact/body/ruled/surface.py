@@ -179,6 +179,12 @@ class RuledSurface(Placing):
         return self.first.deforming or self.second.deforming
 
     @property
+    def velocity(self) -> Vector | None:
+        """By how much it shifts in a unit of the time T, where it does nothing else; None of others that deform."""
+        way = self.first.velocity
+        return way if way == self.second.velocity else None
+
+    @property
     def bounded(self) -> bool:
         """Whether the piece has a finite box at any time: its rulings are bounded."""
         return self.s is not None

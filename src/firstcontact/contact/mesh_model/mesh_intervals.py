@@ -142,24 +142,23 @@ def first_by_points(query: Query) -> FirstContact:
         Status.CONTACT, time=likely_time(times), time_interval=times, point=found.point, free_until=found.lo,
         stats=query.stats(), **query.shared,
     )  # fmt: skip
-    return replace(hit, **named) if named else _named_roughly(hit, query)
+    return replace(hit, **named) if named else _named_roughly(hit, query, mesh_is_a)
 
 
-def _named_roughly(hit: FirstContact, query: Query) -> FirstContact:
+def _named_roughly(hit: FirstContact, query: Query, mesh_is_a: bool) -> FirstContact:
     """With what doubles say touches, if they tell the time to within some times the tolerance: they lack few digits."""
     rough = tried(lambda: first_in_doubles(replace(query, tolerance=ROUGHLY * query.tolerance)))
     if isinstance(rough, Passed) or rough.status is not Status.CONTACT:
         return hit
-    normal = _of_face(rough, hit)
+    normal = _of_face(rough, hit, mesh_is_a)
     return replace(
         hit, normal=rough.normal if normal is None else normal, element_a=rough.element_a, element_b=rough.element_b,
         multiplicity=rough.multiplicity, contact_set=rough.contact_set, stats=hit.stats + rough.stats,
     )  # fmt: skip
 
 
-def _of_face(rough: FirstContact, hit: FirstContact) -> np.ndarray | None:
+def _of_face(rough: FirstContact, hit: FirstContact, mesh_is_a: bool) -> np.ndarray | None:
     """The normal of the model's face that is told roughly, where the contact is; None of other elements."""
-    mesh_is_a = isinstance(shape_of(hit.a), Polyhedron)
     moving_model, known = (hit.b, rough.element_b) if mesh_is_a else (hit.a, rough.element_a)
     model: CompositeQuadric = shape_of(moving_model)
     if known is None or known.kind != "face" or model.source is not None or hit.time is None or hit.point is None:
