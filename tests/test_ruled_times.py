@@ -186,7 +186,7 @@ def test_numbers_of_contacts_are_short(monkeypatch):
         return touch(contact, joined)
 
     monkeypatch.setattr(moving, "touch", spy)
-    hit = fc.first_contact(cone, fan.moving(fc.Translation((7, -4, -7))), exact=True)
+    hit = fc.first_contact(cone.moving(fc.Translation((-7, 4, 7))), fan, exact=True)
     assert hit.time_exact.polynomial == (829, -1826, 949)
     assert (hit.element_a.kind, hit.element_b.kind) == ("vertex", "face")
     degrees = [x.field.modulus.degree() for c in seen for x in (c.u, c.v, c.t)]

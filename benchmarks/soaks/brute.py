@@ -245,7 +245,8 @@ def _convex_overlap(a: Sequence[Point], a_faces: Any, b: Sequence[Point], b_face
 
 
 def overlapping(a: Mesh, b: Mesh) -> bool | None:
-    """Whether an interior point of a solid is shared; None where a solid came without its convex parts."""
+    """Whether an interior point of a solid is shared; None where a solid came without its convex parts, or what is no
+    solid may lie between two of them."""
     if (a.solid and not a.parts) or (b.solid and not b.parts):
         return None
     _, places = whole(*a.vertices, *b.vertices)
@@ -269,7 +270,8 @@ def overlapping(a: Mesh, b: Mesh) -> bool | None:
             for others, faces, edges in hulls(other, there):
                 if _convex_overlap(corners, triangles, others, faces, edges):
                     return True
-    return False
+    between = any(one.solid and len(one.parts) > 1 and not other.solid for one, other in ((a, b), (b, a)))
+    return None if between else False
 
 
 def start_of(a: Mesh, b: Mesh) -> str | None:

@@ -6,7 +6,7 @@ So bodies given the other way round have the same pairs in the same order.
 from __future__ import annotations
 
 from collections.abc import Hashable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.motion.moving import Moving, shape_of
@@ -16,13 +16,21 @@ if TYPE_CHECKING:
 
 
 def leads(a: AnyBody, b: AnyBody) -> bool:
-    """Whether a leads, of polyhedra and solids: the one that moves, else the first one by name and shape."""
+    """Whether a leads: the one that moves, else the first one by name and shape."""
     moves = isinstance(a, Moving), isinstance(b, Moving)
     return moves[0] if moves[0] != moves[1] else _signature(a) <= _signature(b)
 
 
 def _signature(body: AnyBody) -> tuple[Hashable, ...]:
     shape = shape_of(body)
-    numbers = shape.vertices if isinstance(shape, Polyhedron) else shape.forms
     motion = repr(body.motion.to_dict()) if isinstance(body, Moving) else ""
-    return shape.name or "", shape.kind, len(numbers), numbers.tobytes(), motion
+    return shape.name or "", shape.kind, *_numbers(shape), motion
+
+
+def _numbers(shape: Any) -> tuple[int, bytes]:
+    """How many parts a shape has, and what they are."""
+    if hasattr(shape, "pieces"):
+        curves = [curve.key() for piece in shape.pieces for curve in piece.sides]
+        return len(curves), repr(curves).encode()
+    numbers = shape.vertices if isinstance(shape, Polyhedron) else shape.forms
+    return len(numbers), numbers.tobytes()

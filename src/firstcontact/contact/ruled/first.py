@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.in_turn import first_in_turn, intervals_in_turn
+from firstcontact.contact.leading import leads
 from firstcontact.contact.named import element
 from firstcontact.contact.reduce import is_small_and_convex
 from firstcontact.contact.ruled import certified, posed
@@ -103,13 +104,15 @@ def _is_told(proved: FirstContact) -> bool:
 
 
 def _exactly(query: Query, reach: Reach) -> FirstContact:
-    """Raises TooLarge beyond the degree."""
+    """Of the leading body as a, so that the same is told in either order.  Raises TooLarge beyond the degree."""
     work = query.work()
 
     def asked(query: Query) -> FirstContact:
         return exactly.first(query, _pieces(query, work, reach), Interior.of(*query.bodies), work)
 
-    return _in_either_order(query, asked, swapped)
+    if leads(*query.bodies):
+        return _in_either_order(query, asked, swapped)
+    return swapped(_in_either_order(replace(query, a=query.b, b=query.a), asked, swapped))
 
 
 def _all_exactly(query: Query, work: Work, reach: Reach) -> ContactIntervals:

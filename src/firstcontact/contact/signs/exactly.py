@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from flint import arb, ctx, fmpq
 
+from firstcontact.contact.leading import leads
 from firstcontact.contact.signs.shared_points import FieldPoint
 from firstcontact.contact.signs.sheets import between
 from firstcontact.contact.signs.touches import RuledTouch, most_of
@@ -262,7 +263,7 @@ def _contained(query: Query, work: Work) -> FirstContact:
 def _contact(
     start: TimeEnd, pairs: list[tuple[PiecePair, bool]], query: Query, interior: Holding | None
 ) -> FirstContact:
-    """The result at the first time, the lowest (kind, index) of the pairs of elements first."""
+    """The result at the first time, the lowest pair of elements first, by (kind, index) of that of the leading body."""
     time, interval, known = start.value(query.exact)
     initial = start.time == query.first
     touches: dict[tuple[tuple[int, int], ...], tuple[ElementPair, RuledTouch]] = {}
@@ -279,7 +280,8 @@ def _contact(
         answer = replace(answer, initial=most_of(lies) if interior is None else _overlap(start, interior))
     if not touches:
         return answer
-    (lowest, best), *rest = (touches[key] for key in sorted(touches))
+    way = 1 if len(touches) < 2 or leads(*query.bodies) else -1
+    (lowest, best), *rest = (touches[key] for key in sorted(touches, key=lambda key: key[::way]))
     if lowest.element_b is None:  # inside a solid of planes and quadrics
         lowest = ElementPair(None, None)
     pose = _pose_of_b(start, query.b, time)
