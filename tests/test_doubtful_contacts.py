@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
+import trimesh
 from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
 from firstcontact.contact.polyhedra import intervals
 from firstcontact.contact.polyhedra.doubts import Doubt, settled
+from firstcontact.contact.polyhedra.intervals import MOST_LOOKS, MOST_WIDE
+from firstcontact.contact.polyhedra.problems.problem import problem_of
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.exact.times.instants import RationalInstant
+from firstcontact.motion.relative.pieces import curved_pieces
 
 CUBE = fc.examples.box((1, 1, 1))
 AXIS = (0, 0, 1)
@@ -212,3 +217,24 @@ def test_a_long_doubt_between_two_contacts_leaves_it_open_and_a_short_one_joins_
     short = times((0, fmpq(1, 4)), (after, fmpq(3, 4)))
     windows, open_from = settled(short, [Doubt(fmpq(1, 4), after, False)], one)
     assert [(x.value, y.value) for x, y in windows] == [(0, fmpq(3, 4))] and open_from is None
+
+
+@pytest.mark.parametrize("looks, asked", [(0, MOST_WIDE), (MOST_LOOKS + 1, 1)])
+def test_primitives_in_doubt_from_one_moment_to_the_next_are_in_doubt_for_long(monkeypatch, looks, asked):
+    """Found by the soak: a case that turns flush on a plate; each moment alone was short, and 116 s went by."""
+    ball = trimesh.creation.icosphere(2, 1.0)
+    a, b = (fc.Polyhedron.from_trimesh(ball) for _ in "ab")
+    a = a.moving(fc.Screw((0, 0, 1), (1, 0, 0), turns="1/3", advance=1))
+    (piece,) = curved_pieces(a, b, fmpq(0), fmpq(1))
+    problem, calls = problem_of(a, b, piece), []
+
+    def in_doubt(problem, part_a, part_b):
+        calls.append((part_a, part_b))
+        problem.looks = looks
+        ends = [fmpq(k, 10**13) for k in range(100)]
+        return [], [Doubt(x, y, False) for x, y in pairwise(ends)]
+
+    monkeypatch.setattr(intervals, "_windows_of", in_doubt)
+    monkeypatch.setattr(intervals, "_is_within", lambda problem, span, known: False)
+    found = intervals.contact_windows(problem, None, None)
+    assert found.open == "precision" and len(calls) == asked

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from flint import fmpq
 
-from firstcontact.contact.polyhedra.doubts import Doubt, settled
+from firstcontact.contact.polyhedra.doubts import Doubt, merged, settled
 from firstcontact.contact.polyhedra.earliest import Problem, Window
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, below, precision
 from firstcontact.exact.times.instants import RationalInstant
@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 
 # Primitives that are in doubt for long, such as those that slide along each other: after so many no answer is expected.
-MOST_WIDE = 16
+# With one of them, so many looks at times in all are enough: those with many sides take long each.
+MOST_WIDE, MOST_LOOKS = 16, 5000
 
 # Visits of the first slice of a walk, and seconds that one should take: a visit may look at all the times of two
 # facets that slide in one another, so that slices adapt.
@@ -85,8 +86,8 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
             items, doubts = items + certain, doubts + open_times
             for item in certain:
                 known = _joined(problem, known, item)
-            wide += any(doubt.is_wide(_in_balls(problem).length) for doubt in open_times)
-            if wide == MOST_WIDE:
+            wide += any(doubt.is_wide(_in_balls(problem).length) for doubt in merged(open_times))
+            if wide == MOST_WIDE or (wide and problem.looks > MOST_LOOKS):
                 raise Undecidable
         with precision(PRECISIONS[-1]):  # ends that balls tell to many digits lose none
             windows, open_from = _settled(problem, items, doubts)
