@@ -21,7 +21,7 @@ from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.span import refuse_late
 from firstcontact.motion.value import Motion
-from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
+from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Status
 from firstcontact.timeline.answers import as_far_as_decided
 from firstcontact.work import Query
 
@@ -190,7 +190,20 @@ def _answer(verb: Literal["first"], query: Query) -> FirstContact: ...
 @overload
 def _answer(verb: Literal["intervals"], query: Query) -> ContactIntervals: ...
 def _answer(verb: str, query: Query) -> Any:
-    """What the room for the bodies says, which for curved bodies is asked about bounded spans near the origin."""
+    """What the room for the bodies says; where that leaves it open, what the heights of the bodies tell."""
+    found = _of_room(verb, query)
+    if found.status is not Status.UNDECIDED or not query.is_auto or query.budget is not None or query.last is None:
+        return found
+    from firstcontact.contact.levels import told
+
+    of_first: Callable[[Query], FirstContact] = partial(_of_room, "first")
+    if verb == "first":
+        return told.first(found, query, of_first)
+    return told.intervals(found, query, partial(_of_room, "intervals"), of_first)
+
+
+def _of_room(verb: str, query: Query) -> Any:
+    """The same of curved bodies about bounded spans near the origin."""
     kinds = kinds_of(*query.bodies)
     if kinds == MESHES or Kind.PART in kinds:
         return _asked(_room(PAIRS[kinds].room), verb)(query)

@@ -53,8 +53,8 @@ def _questions(query: Query) -> list[Query | Apart] | None:
     """One for each pair of parts, without the advance; None where these are not all upright."""
     found = []
     try:
-        for a, b in product(_parts(query.a), _parts(query.b)):
-            other = without_advance(replace(query, a=a, b=b), _upright)
+        for a, b in product(parts_of(query.a), parts_of(query.b)):
+            other = without_advance(replace(query, a=a, b=b), upright)
             if other is None:
                 return None
             found.append(other)
@@ -63,12 +63,14 @@ def _questions(query: Query) -> list[Query | Apart] | None:
     return found
 
 
-def _parts(body: Body) -> list[Body]:
+def parts_of(body: Body) -> list[Body]:
+    """The solids of which a solid is the union, as it tells them; others whole."""
     shape = shape_of(body)
     if not isinstance(shape, CompositeQuadric):
         return [body]
     return [Moving(x, body.motion) if isinstance(body, Moving) else x for x in shape.united()]
 
 
-def _upright(body: Body, normal: Vector) -> Upright | None:
+def upright(body: Body, normal: Vector) -> Upright | None:
+    """A prism or solid that is the same at all heights; None of others."""
     return (upright_prism if isinstance(shape_of(body), Polyhedron) else upright_solid)(body, normal)

@@ -191,10 +191,10 @@ class RationalCurve:
         x, y, z, w = self.components
         return RationalCurve.of([*(a * x + b * y + c * z + d * w for a, b, c, d in rows), scale * w])
 
-    def place(self, u: int) -> Vector:
+    def place(self, u: int | fmpq) -> Vector:
         """The point at a parameter, of a curve that rests."""
-        below = self.components[3](u)
-        x, y, z = (fmpq(c(u), below) for c in self.components[:3])
+        x, y, z, below = (fmpq(1) * c(u) for c in self.components)
+        x, y, z = x / below, y / below, z / below
         return x, y, z
 
     def points(self, u: ArrayLike) -> np.ndarray:

@@ -1,0 +1,197 @@
+"""Bodies that meet by their heights along the axis of their turns: landings on screws, at seams of steps, and after."""
+
+from __future__ import annotations
+
+import math
+import random
+from fractions import Fraction as F
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from amount import amount
+
+UP = (0, 0, 1)
+CIRCLE = "(1 - u**2)/(1 + u**2), 2*u/(1 + u**2)"
+PLATE = fc.box((10, 10, 1)).translated((0, 0, "-1/2"))
+SLAB = fc.examples.box((10, 10, 1)).translated((0, 0, "-1/2"))
+RISEN = {
+    "bolt": fc.cylinder(1, 2).translated((0, 0, 1)),
+    "tip": fc.RuledSurface("(0, 0, 0)", f"({CIRCLE}, 1)", u=None),
+    "rim": fc.RuledSurface(f"({CIRCLE}, 0)", f"({CIRCLE}, 1)", u=None),
+    "sheet": fc.RuledSurface("(u, 0, 0)", "(u, 2, 0)", u=(0, 3)),
+    "disc": fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s - 1)**2 <= 1"]),
+    "block": fc.examples.box((2, 3, 1)).translated((0, 0, "1/2")),
+}
+"""Bodies that stand on the height 0."""
+
+
+def screw(advance, degrees=70):
+    return fc.Screw(UP, degrees=degrees, advance=advance)
+
+
+@pytest.mark.share(2)
+@pytest.mark.parametrize("floor", [PLATE, SLAB], ids=["solid", "mesh"])
+@pytest.mark.parametrize("name", RISEN)
+def test_what_is_set_down_by_a_screw_and_taken_up_again(name, floor):
+    """Found outside: UNDECIDED just before the seam, for all but meshes."""
+    motion = fc.Sequence([screw(-2, 90), screw(2, -45)])
+    moving = RISEN[name].translated((0, 0, 2)).moving(motion)
+    for a, b in ((moving, floor), (floor, moving)):
+        hit, found = fc.first_contact(a, b), fc.contact_intervals(a, b)
+        assert hit.status is fc.Status.CONTACT and hit.time_interval[0] <= 0.5 <= hit.time_interval[1]
+        assert hit.point[2] == pytest.approx(0, abs=1e-12) and hit.element_a is not None and hit.element_b is not None
+        assert [(x.start, x.end) for x in found] == [(0.5, 0.5)] and found.status is fc.Status.CONTACT
+
+
+@pytest.mark.parametrize("name", ["tip", "rim"])
+def test_what_lands_in_the_last_instant_of_a_screw(name):
+    moving = RISEN[name].translated((0, 0, 2)).moving(screw(-2))
+    hit, found = fc.first_contact(moving, PLATE), fc.contact_intervals(moving, PLATE)
+    assert hit.time == 1.0 and [(x.start, x.end) for x in found] == [(1.0, 1.0)]
+    assert hit.stats.ways[-1].way == "by heights" and hit.stats.ways[-1].told == "CONTACT"
+
+
+def test_what_comes_down_beside_the_floor_is_not_said_to_touch_it():
+    """Heights meet at the seam; the outline of the floor is elsewhere."""
+    motion = fc.Sequence([screw(-2, 90), screw(2, -45)])
+    for name in ("bolt", "rim", "disc"):
+        moving = RISEN[name].translated((0, 0, 2)).moving(motion)
+        hit = fc.first_contact(moving, PLATE.translated((20, 0, 0)))
+        assert hit.status in (fc.Status.FREE, fc.Status.UNDECIDED)
+        assert fc.first_contact(moving, PLATE.translated(("13/2", 0, 0))).status is not fc.Status.CONTACT
+
+
+def test_a_rest_on_the_floor_between_two_screws():
+    motion = fc.Sequence([screw(-2, 36), fc.Translation((0, 0, 0)), screw(2, -36)], durations=[1, 2, 1])
+    found = fc.contact_intervals(RISEN["bolt"].translated((0, 0, 2)).moving(motion), PLATE)
+    assert [(x.start, x.end) for x in found] == [(1.0, 3.0)]
+
+
+def test_a_head_that_comes_flush_while_the_shank_is_in_the_hole():
+    bolt = (fc.cylinder(1, 6) | fc.cylinder(2, 2).translated((0, 0, 4))).translated((0, 0, 8))
+    plate = fc.box((10, 10, 2)) - fc.cylinder(F(3, 2), 4)
+    motion = fc.Sequence([screw(-10, 77), screw(10, -360)])
+    for a, b in ((bolt.moving(motion), plate), (plate, bolt.moving(motion))):
+        assert [(x.start, x.end) for x in fc.contact_intervals(a, b)] == [(0.5, 0.5)]
+
+
+def test_a_door_on_a_screw_grazes_a_stop():
+    """Found outside: its edge at radius 5 touches x = 5 at atan2(4, 3); all contacts were told, the first was not."""
+    door = fc.box((4, 8, 5)).translated((1, 0, "5/2"))
+    stop = fc.box((2, 2, 1)).translated((6, 0, "3/2"))
+    then = math.degrees(math.atan2(4, 3)) / 100
+    moving = door.moving(fc.Screw(UP, degrees=100, advance=1))
+    for a, b, sign in ((moving, stop, -1), (stop, moving, 1)):
+        hit = fc.first_contact(a, b)
+        assert hit.time_interval[0] <= then <= hit.time_interval[1]
+        assert hit.point == pytest.approx((5, 0, 1), abs=1e-9) and hit.normal == pytest.approx((sign, 0, 0), abs=1e-9)
+
+
+def test_an_axis_of_irrational_length_is_not_taken():
+    """Its advance has irrational heights; the answer is what it was."""
+    moving = RISEN["tip"].translated((0, 0, 2)).moving(fc.Screw((1, 1, 1), degrees=70, advance=-2))
+    assert fc.first_contact(moving, PLATE).stats.ways[-1].way != "by heights"
+
+
+# -- random ones: all bodies are round about the axis, or hold it, so that they meet exactly when their heights do ----
+
+
+def _heights(steps, start):
+    """Corners (time, height) of a body's way up and down, in fractions."""
+    found = [(F(0), F(start))]
+    for length, rise in steps:
+        time, height = found[-1]
+        found.append((time + length, height + rise))
+    return found
+
+
+def _at(corners, time):
+    for (t, h), (u, k) in pairwise(corners):
+        if t <= time <= u:
+            return h + (k - h) * (time - t) / (u - t)
+    raise AssertionError(time)
+
+
+def _contacts(one, two, size_one, size_two):
+    """Closed times at which [h, h + size] of both have a height in common: by the corners and crossings."""
+    times = sorted({t for t, _ in (*one, *two)})
+    marks = set(times)
+    for t, u in pairwise(times):
+        for shift in (size_two, -size_one):
+            x, y = (_at(one, v) - _at(two, v) - shift for v in (t, u))
+            if x != y and 0 <= x / (x - y) <= 1:
+                marks.add(t + (u - t) * x / (x - y))
+    marks = sorted(marks)
+
+    def meet(time):
+        return -size_one <= _at(one, time) - _at(two, time) <= size_two
+
+    windows = [[t, t] for t in marks if meet(t)]
+    for t, u in pairwise(marks):
+        if meet((t + u) / 2):
+            windows.append([t, u])
+    joined = []
+    for t, u in sorted(windows):
+        if joined and t <= joined[-1][1]:
+            joined[-1][1] = max(joined[-1][1], u)
+        else:
+            joined.append([t, u])
+    return [tuple(x) for x in joined]
+
+
+def _motion(rng, steps):
+    made = []
+    for _, rise in steps:
+        kind = rng.choice("srt") if rise == 0 else rng.choice("sst")
+        angle = rng.choice((0, 30, 90, -77, 400))
+        if kind == "s":
+            made.append(fc.Screw(UP, degrees=angle, advance=rise) if angle or rise else fc.Translation((0, 0, 0)))
+        elif kind == "r":
+            made.append(fc.Rotation(UP, degrees=angle or 20))
+        else:
+            made.append(fc.Translation((0, 0, rise)))
+    return fc.Sequence(made, durations=[length for length, _ in steps])
+
+
+ROUND = {
+    "rod": (lambda h: fc.cylinder(1, h).translated((0, 0, F(h) / 2)), 2),
+    "washer": (lambda h: (fc.cylinder(2, h) - fc.cylinder(F(1, 2), 2 * h)).translated((0, 0, F(h) / 2)), 1),
+    "cone": (lambda h: fc.RuledSurface("(0, 0, 0)", f"({CIRCLE}, {h})", u=None), 1),
+    "tube": (lambda h: fc.RuledSurface(f"({CIRCLE}, 0)", f"({CIRCLE}, {h})", u=None), 1),
+    "block": (lambda h: fc.examples.box((2, 2, h)).translated((0, 0, F(h) / 2)), 2),
+}
+
+
+@pytest.mark.parametrize("seed", range(amount(24)))
+def test_bodies_on_one_axis_meet_when_their_heights_do(seed):
+    """By closed form.  Of cones and tubes, which are hollow, what they touch is told while tips and rims do."""
+    rng = random.Random(f"heights {seed}")
+    name = rng.choice(("rod", "rod", "washer", "block"))
+    make, size = ROUND[name]
+    n = rng.choice((1, 2, 3))
+    steps = [(F(rng.choice((1, 1, 2)), rng.choice((1, 2))), F(rng.choice((-3, -2, -1, 0, 1, 2)))) for _ in range(n)]
+    start = F(rng.choice((1, 2, 3, 4)))
+    body, other = make(size), fc.box((9, 9, 2)).translated((0, 0, -1))
+    one, two = _heights(steps, start), [(F(0), F(-2)), (sum(x for x, _ in steps), F(-2))]
+    expected = _contacts(one, two, F(size), F(2))
+    moving = body.translated((0, 0, start)).moving(_motion(rng, steps))
+    pair = (moving, other) if rng.random() < 0.5 else (other, moving)
+    end = one[-1][0]
+    found = fc.contact_intervals(*pair, (0, end))
+    seen = [(x.start_interval, x.end_interval) for x in found]
+    if found.status is fc.Status.UNDECIDED:  # what stays flush while it turns
+        assert all(t <= F(y) for (_, y), (t, _) in zip((x[0] for x in seen), expected, strict=False))
+        assert not expected or found.free_until <= expected[-1][1]
+    else:
+        assert len(seen) == len(expected)
+        for ((a, b), (c, d)), (t, u) in zip(seen, expected, strict=True):
+            assert a <= t <= b and c <= u <= d
+    hit = fc.first_contact(*pair, (0, end))
+    if hit.status is fc.Status.FREE:
+        assert not expected
+    elif hit.status is not fc.Status.UNDECIDED:
+        assert hit.time_interval[0] <= expected[0][0] <= hit.time_interval[1]
+        assert np.isfinite(hit.time)
