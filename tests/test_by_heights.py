@@ -195,3 +195,20 @@ def test_bodies_on_one_axis_meet_when_their_heights_do(seed):
     elif hit.status is not fc.Status.UNDECIDED:
         assert hit.time_interval[0] <= expected[0][0] <= hit.time_interval[1]
         assert np.isfinite(hit.time)
+
+
+@pytest.mark.parametrize("make", [fc.box, fc.examples.box], ids=["solid", "mesh"])
+def test_a_lid_set_down_by_a_turn_of_three_four_five_is_told_at_once(make):
+    """Found outside: 7 s, as all edges of the two meet at that instant."""
+    lid, base = make((2, 3, 0.25)).translated((1, "3/2", "1/8")), make((2, 3, 1)).translated((1, "3/2", "-1/2"))
+    poses = [[[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, z], [0, 0, 0, 1]] for c, s, z in
+             ((1, 0, 2), (F(4, 5), F(3, 5), 0), (1, 0, 2))]  # fmt: skip
+    moving = lid.moving(fc.Trajectory([0, 1, 2], poses, interpolation="screw"))
+    for a, b in ((moving, base), (base, moving)):
+        hit, found = fc.first_contact(a, b), fc.contact_intervals(a, b)
+        assert [x.way for x in hit.stats.ways] == ["by heights"] == [x.way for x in found.stats.ways]
+        assert hit.time == 1.0 and [(x.start, x.end) for x in found] == [(1.0, 1.0)] and hit.element_a is not None
+        assert hit.normal[:2] == pytest.approx((0, 0)) and hit.point[2] == pytest.approx(0)
+    above = base.translated((0, 0, 9))
+    assert fc.first_contact(moving, above).status is fc.Status.FREE
+    assert fc.contact_intervals(moving, above).status is fc.Status.FREE

@@ -19,7 +19,9 @@ from firstcontact.contact.runs import along, linked, one_joint, turns
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.span import refuse_late
+from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.value import Motion
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Status
 from firstcontact.timeline.answers import as_far_as_decided
@@ -191,8 +193,15 @@ def _answer(verb: Literal["first"], query: Query) -> FirstContact: ...
 def _answer(verb: Literal["intervals"], query: Query) -> ContactIntervals: ...
 def _answer(verb: str, query: Query) -> Any:
     """What the room for the bodies says; where that leaves it open, what the heights of the bodies tell."""
+    may_ask_heights = query.is_auto and query.budget is None and query.last is not None
+    if may_ask_heights and _is_of_steps(query):
+        from firstcontact.contact.levels import told
+
+        known = (told.first_at_once if verb == "first" else told.intervals_at_once)(query, partial(_of_room, "first"))
+        if known is not None:
+            return known
     found = _of_room(verb, query)
-    if found.status is not Status.UNDECIDED or not query.is_auto or query.budget is not None or query.last is None:
+    if found.status is not Status.UNDECIDED or not may_ask_heights:
         return found
     from firstcontact.contact.levels import told
 
@@ -200,6 +209,11 @@ def _answer(verb: str, query: Query) -> Any:
     if verb == "first":
         return told.first(found, query, of_first)
     return told.intervals(found, query, partial(_of_room, "intervals"), of_first)
+
+
+def _is_of_steps(query: Query) -> bool:
+    """Whether a body moves in several steps."""
+    return any(isinstance(x, Moving) and isinstance(x.motion, Sequence | Trajectory) for x in query.bodies)
 
 
 def _of_room(verb: str, query: Query) -> Any:

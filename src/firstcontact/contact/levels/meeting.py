@@ -33,7 +33,7 @@ Span = tuple[fmpq, fmpq]
 Knots = list[tuple[fmpq, fmpq]]
 """(time, height), with straight lines between."""
 
-MOST_STEPS = 1000
+MOST_STEPS = 200
 """Of a motion that is looked at."""
 
 
@@ -103,21 +103,19 @@ def ascents_of(query: Query) -> Ascents | None:
     normal = _direction(query)
     if normal is None:
         return None
-    found = [heights(shape_of(x), normal) for x in query.bodies]
     rises = [_rise(x, normal, query.first, query.end) for x in query.bodies]
-    if found[0] is None or found[1] is None or rises[0] is None or rises[1] is None:
+    if rises[0] is None or rises[1] is None:
+        return None
+    found = [heights(shape_of(x), normal) for x in query.bodies]
+    if found[0] is None or found[1] is None:
         return None
     return Ascents(normal, (found[0], found[1]), (rises[0], rises[1]))
 
 
 def _direction(query: Query) -> Vector | None:
     """The axis of the first turn of either body over the span."""
-    for body in query.bodies:
-        for step in steps_in(body, query.first, query.end) or ():
-            if isinstance(step.motion, Rotation | Screw):
-                axis: Vector = step.motion.axis
-                return axis
-    return None
+    steps = (step for body in query.bodies for step in steps_in(body, query.first, query.end) or ())
+    return next((axis for step in steps for axis in step.motion.axes or ()), None)
 
 
 def steps_in(body: Body, first: fmpq, last: fmpq) -> list[Step] | None:

@@ -40,6 +40,58 @@ def intervals(found: ContactIntervals, query: Query, ask: Intervals, ask_first: 
     return _noted(found, query, lambda ascents: _intervals(query, ascents, ask, ask_first))
 
 
+def first_at_once(query: Query, ask: First) -> FirstContact | None:
+    """The first contact of bodies whose heights meet at instants alone, if at all; None of others, and where that is
+    left open."""
+    def tell(ascents: Ascents) -> FirstContact | None:
+        instants = _instants(query, ascents)
+        for instant in instants or ():
+            meets = _meet_at(query, ascents, instant, ask)
+            if meets is not False:
+                return _landed(query, ascents, instant, ask) if meets and instant > query.first else None
+        return None if instants is None else FirstContact.free(query.stats(), **query.shared)
+
+    return _told_at_once(query, tell)
+
+
+def intervals_at_once(query: Query, ask_first: First) -> ContactIntervals | None:
+    """The same of all contacts."""
+    def tell(ascents: Ascents) -> ContactIntervals | None:
+        instants = _instants(query, ascents)
+        meets = [_meet_at(query, ascents, t, ask_first) for t in instants or ()]
+        if instants is None or None in meets:
+            return None
+        return _all(query, [_lasting(t, t) for t, met in zip(instants, meets, strict=True) if met])
+
+    return _told_at_once(query, tell)
+
+
+def _told_at_once(query: Query, tell: Callable[[Ascents], R | None]) -> R | None:
+    begin, ascents = clock.perf_counter(), ascents_of(query)
+    told = None if ascents is None else tried(lambda: tell(ascents))
+    if told is None or isinstance(told, Passed):
+        return None
+    end = clock.perf_counter()
+    asked = Asked("by heights", told.status.name, end - begin)
+    return replace(told, stats=replace(query.stats(), ways=(asked,), seconds=end - query.begin), **query.shared)
+
+
+def _instants(query: Query, ascents: Ascents) -> list[fmpq] | None:
+    """The times at which the bodies have a height in common; None where that lasts, or of one instant alone."""
+    spans = ascents.meetings()
+    if query.first == query.end or any(start < end for start, end in spans):
+        return None
+    return [start for start, _ in spans]
+
+
+def _meet_at(query: Query, ascents: Ascents, time: fmpq, ask_first: First) -> bool | None:
+    """Whether the bodies share a point at an instant; None where that is left open."""
+    if common_point(query, ascents, time) is not None:
+        return True
+    then = ask_first(replace(query, first=time, last=time, progress=None)).status
+    return True if then is Status.INITIAL_CONTACT else False if then is Status.FREE else None
+
+
 def _noted(found: R, query: Query, tell: Callable[[Ascents], R | None]) -> R:
     """What heights tell, as a way that was asked; else what was found."""
     begin, ascents = clock.perf_counter(), ascents_of(query)
@@ -116,6 +168,11 @@ def _intervals(query: Query, ascents: Ascents, ask: Intervals, ask_first: First)
         if own is None:
             return None
         told += own
+    return _all(query, told)
+
+
+def _all(query: Query, told: list[ContactInterval]) -> ContactIntervals:
+    """The answer that these, and no others, are the contacts."""
     merged = tuple(union(told))
     if not merged:
         return ContactIntervals.free(query.stats(), **query.shared)
@@ -148,11 +205,8 @@ def _within(
     if start < end and not all(rest_within(x, start, end) for x in query.bodies):
         found = ask(replace(query, first=start, last=end, progress=None))
         return _but_for_ends(query, ascents, span, ask) if found.status is Status.UNDECIDED else list(found)
-    if common_point(query, ascents, start) is None:
-        then = ask_first(replace(query, first=start, last=start, progress=None))
-        if then.status is not Status.INITIAL_CONTACT:
-            return [] if then.status is Status.FREE else None
-    return [_lasting(start, end)]
+    meets = _meet_at(query, ascents, start, ask_first)
+    return None if meets is None else [_lasting(start, end)] if meets else []
 
 
 def _but_for_ends(query: Query, ascents: Ascents, span: Span, ask: Intervals) -> list[ContactInterval] | None:
