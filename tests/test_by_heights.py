@@ -9,9 +9,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
+from firstcontact.contact.levels.meeting import Ascents
+from firstcontact.contact.levels.ranges import heights
 
 UP = (0, 0, 1)
 CIRCLE = "(1 - u**2)/(1 + u**2), 2*u/(1 + u**2)"
@@ -212,3 +215,43 @@ def test_a_lid_set_down_by_a_turn_of_three_four_five_is_told_at_once(make):
     above = base.translated((0, 0, 9))
     assert fc.first_contact(moving, above).status is fc.Status.FREE
     assert fc.contact_intervals(moving, above).status is fc.Status.FREE
+
+
+def test_a_vertex_that_belongs_to_nothing_lands_on_nothing():
+    stray = fc.Polyhedron([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, -5)],
+                          [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])  # fmt: skip
+    motion = fc.Sequence([screw(-2, 90), screw(2, -45)])
+    for floor in (PLATE, SLAB):
+        below = floor.translated((0, 0, -7))
+        assert fc.first_contact(stray.moving(motion), below).status is not fc.Status.CONTACT
+        assert list(fc.contact_intervals(stray.moving(motion), below)) == []
+
+
+@pytest.mark.parametrize("name", ["rim", "disc", "bolt"])
+def test_one_instant_of_a_landing_in_an_irrational_pose(name):
+    """Found outside: a span of one instant, at which the one stands on the other."""
+    moving = RISEN[name].translated((0, 0, 2)).moving(screw(-2))
+    hit, found = (ask(moving, PLATE, (1, 1)) for ask in (fc.first_contact, fc.contact_intervals))
+    assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "touching")
+    assert found.status is fc.Status.INITIAL_CONTACT and [(x.start, x.end) for x in found] == [(1.0, 1.0)]
+    later = fc.contact_intervals(moving, PLATE, ("1/2", 1))
+    assert later.status is fc.Status.CONTACT and [(x.start, x.end) for x in later] == [(1.0, 1.0)]
+
+
+def test_a_dome_that_reaches_a_hair_below_a_level_face_is_seen():
+    """Heights are not those of level faces then; by 1e-12 it comes first."""
+    domed = (fc.box((4, 4, 2)) | fc.sphere(1 + F(1, 10**12))).translated((0, 0, 3))
+    assert heights(domed, (fmpq(0), fmpq(0), fmpq(1))) is None
+    coned = fc.box((4, 4, 2)) | fc.cone(1, 1).translated((0, 0, -1 - F(1, 10**12)))
+    assert heights(coned, (fmpq(0), fmpq(0), fmpq(1)))[0] == -1 - fmpq(1, 10**12)
+
+
+def test_a_point_that_leaves_and_comes_back_does_not_stay():
+    """Its height is the same at both ends of the time, and another one between."""
+    zero, one = fmpq(0), fmpq(1)
+    dips = [(zero, zero), (one / 2, -one), (one, zero)]
+    ascents = Ascents((zero, zero, one), ((zero, one), (-one, zero)), (dips, [(zero, zero), (one, zero)]))
+    assert ascents.has_from(0, zero, zero, one / 2) and ascents.has_from(0, zero, zero, one)
+    low = Ascents((zero, zero, one), ((zero, one), (-one / 2, zero)), ascents.rises)
+    assert not low.has_from(0, zero, zero, one) and low.has_from(0, zero, zero, one / 4)
+    assert low.meetings() == [(zero, one)]

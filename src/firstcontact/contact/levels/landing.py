@@ -48,7 +48,7 @@ def common_point(query: Query, ascents: Ascents, time: fmpq, span: Span | None =
         if gap == 0:
             for which in (k, 1 - k):  # a point of the one above at its lowest, or of the one below at its highest
                 height = ascents.ranges[which][0 if which == k else 1]
-                if all(ascents.has_at(which, height, t) for t in (first, last)):
+                if ascents.has_from(which, height, first, last):
                     found = _point_of(query, which, ascents.normal, height, (first, last))
                     if found is not None:
                         return found

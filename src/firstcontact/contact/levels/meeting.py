@@ -51,11 +51,12 @@ class Ascents:
         up_a, up_b = (_at(knots, time) for knots in self.rises)
         return low_a + up_a - high_b - up_b, low_b + up_b - high_a - up_a
 
-    def has_at(self, which: int, height: fmpq, time: fmpq) -> bool:
-        """Whether a point of one body, at that height of its own, is then between the heights of the other one."""
-        up = height + _at(self.rises[which], time) - _at(self.rises[1 - which], time)
+    def has_from(self, which: int, height: fmpq, first: fmpq, last: fmpq) -> bool:
+        """Whether a point of one body, at that height of its own, stays between the heights of the other one."""
+        own, other = self.rises[which], self.rises[1 - which]
+        times = {first, last, *(t for t, _ in (*own, *other) if first < t < last)}
         low, high = self.ranges[1 - which]
-        return bool(low <= up <= high)
+        return all(low <= height + _at(own, t) - _at(other, t) <= high for t in times)
 
     def lowest_at(self, time: fmpq) -> fmpq:
         """The lowest of the heights that they have in common."""

@@ -117,7 +117,9 @@ def points_at(shape: Any, normal: Vector, level: fmpq, near: np.ndarray) -> Iter
 
 
 def _vertices(shape: Polyhedron, normal: Vector) -> Iterator[tuple[Vector, fmpq]]:
-    for k in range(len(shape.vertices)):
+    """The vertices of its triangles and edges, or its bare points: others belong to nothing."""
+    used = np.unique(np.concatenate([shape.triangles.ravel(), shape.segments.ravel()]))
+    for k in used.tolist() or range(len(shape.vertices)):
         p = shape.exact_vertex(k)
         yield p, dot(normal, p)
 

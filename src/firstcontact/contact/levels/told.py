@@ -110,6 +110,8 @@ def _first(found: FirstContact, query: Query, ascents: Ascents, ask: First) -> F
     if not later:
         return FirstContact.free(found.stats, **query.shared)
     time = later[0][0]
+    if time == query.first and (point := common_point(query, ascents, time)) is not None:
+        return _touching(query, point)
     if time > query.first and time >= until and (told := _landed(query, ascents, time, ask)) is not None:
         return told
     if (told := _by_turns(query, ascents, ask)) is not None:
@@ -132,6 +134,15 @@ def _landed(query: Query, ascents: Ascents, time: fmpq, ask: First) -> FirstCont
     return replace(
         told, point=straight.point, normal=straight.normal, element_a=straight.element_a, element_b=straight.element_b,
         contact_set=straight.contact_set, others=straight.others, multiplicity=straight.multiplicity,
+    )  # fmt: skip
+
+
+def _touching(query: Query, point: np.ndarray) -> FirstContact:
+    """A start at which one body is on the other: what they share is at a height at which neither has inner points."""
+    start = query.span[0]
+    return FirstContact(
+        Status.INITIAL_CONTACT, start, (start, start), initial="touching", point=point, free_until=start,
+        **query.shared,
     )  # fmt: skip
 
 
@@ -176,7 +187,8 @@ def _all(query: Query, told: list[ContactInterval]) -> ContactIntervals:
     merged = tuple(union(told))
     if not merged:
         return ContactIntervals.free(query.stats(), **query.shared)
-    status = Status.INITIAL_CONTACT if merged[0].start_interval[0] <= query.span[0] else Status.CONTACT
+    begins = merged[0].start_interval[1] <= above(query.first)
+    status = Status.INITIAL_CONTACT if begins else Status.CONTACT
     return ContactIntervals(merged, status, merged[0].start, None, query.stats(), **query.shared)
 
 
@@ -185,7 +197,7 @@ def _of_part(
 ) -> list[ContactInterval] | None:
     """The contacts of two bodies, or two parts of them; None where they are left open."""
     spans = [(query.first, query.end)] if ascents is None else ascents.meetings()
-    if ascents is None or spans == [(query.first, query.end)]:
+    if ascents is None or (spans == [(query.first, query.end)] and query.first < query.end):
         found = None if is_whole else ask(query)
         return None if found is None or found.status is Status.UNDECIDED else list(found)
     told: list[ContactInterval] = []
