@@ -416,6 +416,12 @@ def _deforming() -> Question:
     return first(a, b, span=(0.8125, 1), exact=True)
 
 
+@row("a box that slides in the plane of a disc", "9.3 s, exact 2.5 s", 7.5)
+def _in_plane() -> Question:
+    disc = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s - 1)**2 <= 1"])
+    return first(fc.box((2, 4, 2)).translated((-1, 9, -1)).moving(fc.Translation((0, -21, 0))), disc)
+
+
 @row("contact_condition of a cusp under a skew matrix, text", "12 s", 2)
 def _cusp() -> Question:
     skew = [[1, 2, 1, -1], [2, -1, 0, 1], [1, 0, 1, 1], [0, 0, 0, 1]]
@@ -430,6 +436,27 @@ def _quarter_tube() -> Question:
     tube = fc.RuledSurface(f"({cosine}, {sine}, 0)", f"({cosine}, {sine}, 2)", u=(0, 1))
     rod = fc.cylinder(1, 2).translated((0, 0, 1)) & fc.box((4, 4, 8)).translated((-2, -2, 0))
     return intervals(tube.moving(fc.Rotation((0, 0, 1), degrees=360)), rod)
+
+
+# -- landings -----------------------------------------------------------------------------------------------
+
+
+def _lid() -> tuple[Any, Any]:
+    """Set down by a turn of 3, 4, 5 on a base of its own outline, and taken up again."""
+    turns = (1, 0, 2), (F(4, 5), F(3, 5), 0), (1, 0, 2)
+    poses = [[[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, z], [0, 0, 0, 1]] for c, s, z in turns]
+    lid, base = (fc.box((2, 3, h)).translated((1, F(3, 2), z)) for h, z in ((F(1, 4), F(1, 8)), (1, F(-1, 2))))
+    return lid.moving(fc.Trajectory([0, 1, 2], poses, interpolation="screw")), base
+
+
+@row("a lid set down on its base by a trajectory of screws", "7.4 s", 1)
+def _set_down() -> Question:
+    return first(*_lid())
+
+
+@row("a lid set down on its base by a trajectory of screws, intervals", "12.5 s", 1)
+def _set_down_intervals() -> Question:
+    return intervals(*_lid())
 
 
 # -- links --------------------------------------------------------------------------------------------------
