@@ -17,6 +17,7 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.body.solid.primitives import half_space
 from firstcontact.contact.polyhedra.prisms import heights_of
 from firstcontact.contact.reduce import as_model, is_small_and_convex
+from firstcontact.errors import InputError
 from firstcontact.exact.numbers import exact_value, simplest, to_double
 from firstcontact.exact.vectors import Vector, add, cross, dot, scaled
 
@@ -49,15 +50,18 @@ def _of_solid(solid: CompositeQuadric, normal: Vector) -> list[fmpq]:
     found = [-x.normal[3] * dot(normal, normal) / dot(x.normal[:3], normal) for x in level]
     if not found:
         return []
-    beyond = half_space(normal, min(found)), half_space(scaled(fmpq(-1), normal), -max(found))
-    return found if all(_is_empty(solid, x) for x in beyond) else []
+    beyond = (normal, min(found)), (scaled(fmpq(-1), normal), -max(found))
+    return found if all(_is_nothing_below(solid, *x) for x in beyond) else []
 
 
-def _is_empty(solid: CompositeQuadric, other: CompositeQuadric) -> bool:
+def _is_nothing_below(solid: CompositeQuadric, normal: Vector, height: fmpq) -> bool:
+    """Whether that is proved; not of what is too large or too small to be cut."""
     try:
-        solid & other
+        solid & half_space(normal, height)
     except NoSolid:
         return True
+    except InputError:
+        return False
     return False
 
 
