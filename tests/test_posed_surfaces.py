@@ -100,7 +100,7 @@ def test_a_turning_strip_and_a_corner():
 @pytest.mark.parametrize(
     ("surface", "message"),
     [(fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None), "bound s"),
-     (fc.RuledSurface(*ROUND, u=None, trim=["s <= u"]), "bound u and s")],
+     (fc.RuledSurface(*ROUND, u=None, trim=["s <= u"]), "no ends of u, which doubles")],
 )  # fmt: skip
 def test_what_is_refused(surface, message):
     with pytest.raises(fc.UnsupportedPair, match="no rational pose"):

@@ -190,6 +190,11 @@ class RuledSurface(Placing):
         return self.s is not None
 
     @property
+    def without_end(self) -> str:
+        """Which of the parameters u and s have no ends, in words."""
+        return " and ".join(name for name, ends in (("u", self.u), ("s", self.s)) if ends is None)
+
+    @property
     def sides(self) -> tuple[RationalCurve, RationalCurve]:
         """The curves that bound the rulings: those at the ends of s; the directrices themselves of whole rulings.
 

@@ -55,7 +55,7 @@ def inner_places(surface: RuledSurface) -> list[Place]:
 
 def _inner_places(surface: RuledSurface) -> list[Place]:
     if surface.u is None or surface.s is None:
-        raise UnsupportedPair(f"{surface!r} is trimmed and without end; bound u and s where it meets a solid")
+        raise UnsupportedPair(f"{surface!r} is trimmed and has no ends of {surface.without_end}; give a range")
     ends = rational(surface.u[0], "u"), rational(surface.u[1], "u")
     trims = local_trims(surface)
     kept = polynomials(trims)
