@@ -37,8 +37,8 @@ class PieceCell:
         if not piece.trim:
             return cls(piece, number)
         if piece.u is None or piece.s is None:
-            open_ = piece.without_end
-            raise UnsupportedPair(f"{piece!r} is trimmed, with no ends of {open_}, which doubles do not take; give them")
+            ends = piece.without_end
+            raise UnsupportedPair(f"{piece!r} is trimmed, with no ends of {ends}, which doubles do not take; give them")
         u, s = ((rational(lo, "range"), rational(hi, "range")) for lo, hi in (piece.u, piece.s))
         return cls(piece, number, u, s)
 
