@@ -80,14 +80,14 @@ MOST_PLACED = 32
 def asked(answer: Callable[[Query], R], query: Query) -> R:
     """What `answer` tells of the query, and of bodies that move as plainly as they can be told to.
 
-    Of these alone where it is straight ways that are told so; first of these where a screw is none; else where the
-    query itself is left open.
+    Of these alone where their ways are straight; first of these where a screw is none; else where the query itself is
+    left open.
     """
     a, b = (plainly(body, query.first, query.last) for body in query.bodies)
     if a is query.a and b is query.b:
         return answer(query)
     own = replace(query, a=a, b=b)
-    if all(x is y or drift_of(x) is not None for x, y in ((a, query.a), (b, query.b))):
+    if drift_of(a) is not None and drift_of(b) is not None:
         return changed(answer(own), **query.shared)
     asked = (own, query) if any(map(_is_no_screw, query.bodies)) else (query, own)
     found = answer(asked[0])
