@@ -13,8 +13,9 @@ from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.contact.levels.meeting import Ascents
+from firstcontact.contact.levels.meeting import Ascents, ascents_of
 from firstcontact.contact.levels.ranges import heights
+from firstcontact.work import Query
 
 UP = (0, 0, 1)
 CIRCLE = "(1 - u**2)/(1 + u**2), 2*u/(1 + u**2)"
@@ -162,27 +163,55 @@ def _motion(rng, steps):
 ROUND = {
     "rod": (lambda h: fc.cylinder(1, h).translated((0, 0, F(h) / 2)), 2),
     "washer": (lambda h: (fc.cylinder(2, h) - fc.cylinder(F(1, 2), 2 * h)).translated((0, 0, F(h) / 2)), 1),
-    "cone": (lambda h: fc.RuledSurface("(0, 0, 0)", f"({CIRCLE}, {h})", u=None), 1),
-    "tube": (lambda h: fc.RuledSurface(f"({CIRCLE}, 0)", f"({CIRCLE}, {h})", u=None), 1),
     "block": (lambda h: fc.examples.box((2, 2, h)).translated((0, 0, F(h) / 2)), 2),
 }
 
 
-@pytest.mark.parametrize("seed", range(amount(24)))
-def test_bodies_on_one_axis_meet_when_their_heights_do(seed):
-    """By closed form.  Of cones and tubes, which are hollow, what they touch is told while tips and rims do."""
+def _scene(seed):
+    """Two bodies, the end of their motion, and the closed times at which they meet."""
     rng = random.Random(f"heights {seed}")
-    name = rng.choice(("rod", "rod", "washer", "block"))
-    make, size = ROUND[name]
+    make, size = ROUND[rng.choice(("rod", "rod", "washer", "block"))]
     n = rng.choice((1, 2, 3))
     steps = [(F(rng.choice((1, 1, 2)), rng.choice((1, 2))), F(rng.choice((-3, -2, -1, 0, 1, 2)))) for _ in range(n)]
     start = F(rng.choice((1, 2, 3, 4)))
     body, other = make(size), fc.box((9, 9, 2)).translated((0, 0, -1))
     one, two = _heights(steps, start), [(F(0), F(-2)), (sum(x for x, _ in steps), F(-2))]
-    expected = _contacts(one, two, F(size), F(2))
     moving = body.translated((0, 0, start)).moving(_motion(rng, steps))
     pair = (moving, other) if rng.random() < 0.5 else (other, moving)
-    end = one[-1][0]
+    return pair, one[-1][0], _contacts(one, two, F(size), F(2))
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_what_stays_flush_next_to_an_end_is_followed(seed):
+    """All contacts were UNDECIDED where the bodies part, or meet, at the very end of a time of common heights."""
+    pair, end, expected = _scene(seed)
+    found = fc.contact_intervals(*pair, (0, end))
+    assert found.status is fc.Status.CONTACT and len(found) == len(expected)
+
+
+def test_what_is_trimmed_away_does_not_land():
+    """The square that a disc is cut from reaches y = 1.28 in this pose, the disc 1."""
+    motion = fc.Sequence([screw(-2, 70), screw(2, -45)])
+    moving = RISEN["disc"].translated((0, 0, 2)).moving(motion)
+    floor = PLATE.translated((0, "121/20", 0))
+    assert fc.first_contact(moving, floor).status is not fc.Status.CONTACT
+
+
+def test_heights_after_an_irrational_advance_are_not_told():
+    """In the second step nothing advances, but from where the first one led."""
+    axis = (1, 1, 0)
+    motion = fc.Sequence([fc.Screw(axis, degrees=40, advance=-1), fc.Rotation(axis, degrees=20)])
+    body = fc.examples.box((1, 1, 1)).moving(motion)
+    floor = fc.examples.box((1, 1, 1)).translated((3, 3, 0))
+    assert ascents_of(Query(body, floor, fmpq(1, 2), fmpq(1))) is None
+    level = fc.Sequence([fc.Rotation(axis, degrees=40), fc.Rotation(axis, degrees=20)])
+    assert ascents_of(Query(fc.examples.box((1, 1, 1)).moving(level), floor, fmpq(1, 2), fmpq(1))) is not None
+
+
+@pytest.mark.parametrize("seed", range(amount(24)))
+def test_bodies_on_one_axis_meet_when_their_heights_do(seed):
+    """By closed form."""
+    pair, end, expected = _scene(seed)
     found = fc.contact_intervals(*pair, (0, end))
     seen = [(x.start_interval, x.end_interval) for x in found]
     if found.status is fc.Status.UNDECIDED:  # what stays flush while it turns
