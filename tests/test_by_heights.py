@@ -13,8 +13,8 @@ from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.contact.levels.meeting import Ascents, ascents_of
-from firstcontact.contact.levels.ranges import heights
+from firstcontact.contact.heights.meeting import Ascents, ascents_of
+from firstcontact.contact.heights.ranges import heights
 from firstcontact.work import Query
 
 UP = (0, 0, 1)
@@ -281,6 +281,28 @@ def test_a_point_that_leaves_and_comes_back_does_not_stay():
     dips = [(zero, zero), (one / 2, -one), (one, zero)]
     ascents = Ascents((zero, zero, one), ((zero, one), (-one, zero)), (dips, [(zero, zero), (one, zero)]))
     assert ascents.has_from(0, zero, zero, one / 2) and ascents.has_from(0, zero, zero, one)
+    assert ascents.raised(np.array([1.0, 2.0, 9.0]), fmpq(-1, 2**60)).tolist() == [1, 2, 0]  # a time that is rounded
     low = Ascents((zero, zero, one), ((zero, one), (-one / 2, zero)), ascents.rises)
     assert not low.has_from(0, zero, zero, one) and low.has_from(0, zero, zero, one / 4)
     assert low.meetings() == [(zero, one)]
+
+
+@pytest.mark.parametrize("beside, lands", [(F(1, 10**20), False), (F(-1, 10**20), True)])
+def test_a_point_lands_by_its_true_place_not_by_the_double_next_to_it(beside, lands):
+    """The edge stands at x = cos 1 after one radian; the double next to that is 5e-17 more, past where plates begin."""
+    cosine = sum(F((-1) ** k, math.factorial(2 * k)) for k in range(20))
+    begin = cosine + beside
+    assert begin < F(math.cos(1))
+    edge = fc.Polyhedron([(1, 0, 2), (1, 0, 3)], [], edges=[[0, 1]])
+    plate = fc.box((4, 4, 1)).translated((begin + 2, 0, F(-1, 2)))
+    hit = fc.first_contact(edge.moving(fc.Screw(UP, radians=1, advance=-2)), plate)
+    assert (hit.status is fc.Status.CONTACT) == lands
+
+
+@pytest.mark.parametrize("floor", [PLATE, SLAB], ids=["solid", "mesh"])
+def test_what_stands_on_the_floor_at_the_start_and_goes_up(floor):
+    """Heights meet at the start alone."""
+    moving = RISEN["bolt"].moving(fc.Sequence([screw(2, 90), screw(1, -45)]))
+    hit, found = fc.first_contact(moving, floor), fc.contact_intervals(moving, floor)
+    assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "touching")
+    assert found.status is fc.Status.INITIAL_CONTACT and [(x.start, x.end) for x in found] == [(0.0, 0.0)]

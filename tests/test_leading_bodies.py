@@ -6,6 +6,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact import Status, Translation
+from firstcontact.contact.leading import leads
 
 
 @pytest.mark.share(4)
@@ -44,3 +45,27 @@ def test_pairs_of_ruled_surfaces_are_the_same_the_other_way_round(moving, rests)
     assert all(hit.time_interval[0] <= 0.5 <= hit.time_interval[1] for hit in (there, back))
     keys = [(KINDS[x.kind], x.index, KINDS[y.kind], y.index) for x, y in pairs]
     assert keys == sorted(keys)
+
+
+@pytest.mark.parametrize("other", [
+    fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u <= 1/2"]),
+    fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, "1/2")),
+    fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), s=(0, 2)),
+])  # fmt: skip
+def test_pieces_of_one_surface_do_not_both_lead(other):
+    own = PLATE.named(None)
+    assert leads(own, other) != leads(other, own)
+    assert leads(own.moving(UP), other.moving(UP)) != leads(other.moving(UP), own.moving(UP))
+
+
+CORNER = BOX.translated((1, 1, 0))
+
+
+@pytest.mark.parametrize("moving, rests", [(CORNER.moving(UP), PLATE), (PLATE.moving(DOWN), CORNER)])
+def test_pairs_of_a_solid_and_a_piece_are_led_by_the_one_that_moves(moving, rests):
+    """Exact arithmetic takes the piece first, whichever moves."""
+    there, back = fc.first_contact(moving, rests, exact=True), fc.first_contact(rests, moving, exact=True)
+    pairs = [(there.element_a, there.element_b), *((x.element_a, x.element_b) for x in there.others)]
+    assert pairs == [(back.element_b, back.element_a), *((x.element_b, x.element_a) for x in back.others)]
+    keys = [(KINDS[x.kind], x.index, KINDS[y.kind], y.index) for x, y in pairs]
+    assert len(keys) > 2 and keys == sorted(keys)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import fmpq
 
@@ -17,7 +17,6 @@ from firstcontact.exact.numbers import above, below
 from firstcontact.exact.rigid import rational_sqrt
 from firstcontact.exact.vectors import Vector, cross, dot, scaled, sub
 from firstcontact.motion.moving import Moving
-from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
@@ -26,6 +25,7 @@ from firstcontact.work import Query
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
+    from firstcontact.motion.kinds import AnyMotion
 
 
 class Apart(NamedTuple):
@@ -71,36 +71,28 @@ def _level(body: Body, normal: Vector) -> tuple[Body, fmpq] | None:
     """The body without its advance along the normal, and how fast its heights grow; None for other motions."""
     if not isinstance(body, Moving):
         return body, fmpq(0)
-    motion = body.motion
+    motion: Any = body.motion
+    ahead = rise_of(motion, normal)
+    if ahead is None:
+        return None
     if isinstance(motion, Translation):
-        ahead = dot(motion.vector, normal)
         across = sub(motion.vector, scaled(ahead / dot(normal, normal), normal))
         return Moving(body.body, Translation(across)), ahead
+    turn = Rotation(motion.axis, motion.point, **{motion.unit: motion.angle})
+    return Moving(body.body, turn), ahead
+
+
+def rise_of(motion: AnyMotion, normal: Vector) -> fmpq | None:
+    """By how much normal . x of every point grows in a unit of the motion's time; None where not alike, or irrational.
+    """
+    if isinstance(motion, Translation):
+        return fmpq(dot(motion.vector, normal))
     if not isinstance(motion, Rotation | Screw) or any(cross(motion.axis, normal)):
         return None
-    turn = Rotation(motion.axis, motion.point, **{motion.unit: motion.angle})
-    length = rational_sqrt(dot(motion.axis, motion.axis))
     if isinstance(motion, Rotation):
-        return Moving(body.body, turn), fmpq(0)
-    return None if length is None else (Moving(body.body, turn), motion.advance / length * dot(motion.axis, normal))
-
-
-def without_turn(query: Query, time: fmpq) -> Query:
-    """The same question of bodies that stand turned all along as they do at the time, nearly, and come and go alike."""
-    normal = axis_of_screw(query)
-    assert normal is not None
-    a, b = (_standing(body, normal, time) for body in query.bodies)
-    return replace(query, a=a, b=b)
-
-
-def _standing(body: Body, normal: Vector, time: fmpq) -> Body:
-    """The body, at one turn; the pose is rational, so that what is level stays so exactly."""
-    level = _level(body, normal)
-    if not isinstance(body, Moving) or level is None:
-        return body
-    way = scaled(level[1] / dot(normal, normal), normal)
-    there = body.body.transformed([*placement_at(body, time).near(), (0, 0, 0, 1)])
-    return Moving(there.translated(scaled(-time, way)), Translation(way))
+        return fmpq(0)
+    length = rational_sqrt(dot(motion.axis, motion.axis))
+    return None if length is None else fmpq(motion.advance / length * dot(motion.axis, normal))
 
 
 def in_longer_span(found: ContactIntervals, asked: Query, query: Query) -> ContactIntervals:

@@ -58,7 +58,6 @@ class AskedSoFar:
     exhausted  whether elimination did.
     until      up to when doubles told all; None: they were not asked yet.
     stuck      whether they got no farther when they were asked again.
-    searches   how often they were asked.
     looked     right after which time elimination was asked.
     """
 
@@ -67,7 +66,6 @@ class AskedSoFar:
     exhausted: bool = False
     until: float | None = None
     stuck: bool = False
-    searches: int = 0
     looked: float | None = None
 
     def boxes(self, own: Round) -> int | None:
@@ -78,7 +76,6 @@ class AskedSoFar:
 
     def note(self, proved: FirstContact | ContactIntervals) -> None:
         """What doubles tell in a round."""
-        self.searches += 1
         if proved.free_until is not None:
             step = STILL * (proved.span[1] - proved.span[0])
             self.stuck = self.until is not None and proved.free_until <= self.until + step
@@ -106,10 +103,10 @@ class AskedSoFar:
         return not query.is_algebraic and not self.ended and not waits and _may_tell_more(proved)
 
     def has_stopped(self, query: Query, proved: FirstContact | None) -> bool:
-        """Whether doubles stopped, in a search that was not short, at a time right after which nothing is told yet."""
+        """Whether doubles stopped at a time right after which nothing is told yet."""
         if proved is None or proved.reason != "budget" or proved.free_until in (None, proved.span[0], self.looked):
             return False
-        return self.searches > 1 and self.is_open(query, proved)
+        return self.is_open(query, proved)
 
     def is_open(self, query: Query, _: FirstContact | ContactIntervals | None) -> bool:
         """Whether elimination may."""
@@ -162,10 +159,10 @@ def _first_ways(
         turns.looked = proved.free_until
         return _seen_soon(_limited(query, own.steps), exactly, proved.free_until, own.reach)
 
-    return [
-        Way(IN_DOUBLES, by_doubles, turns.is_cut_short), Way("exactly, soon", soon, turns.has_stopped),
-        Way("exactly", by_elimination, turns.is_open),
-    ]  # fmt: skip
+    first = Way(IN_DOUBLES, by_doubles, turns.is_cut_short)
+    # a search of the first round is too short to tell much
+    then = [] if own is ROUNDS[0] else [Way("exactly, soon", soon, turns.has_stopped)]
+    return [first, *then, Way("exactly", by_elimination, turns.is_open)]
 
 
 def _to_the_end(ways: list[Way[R]]) -> list[Way[R]]:

@@ -30,7 +30,6 @@ def _signature(body: AnyBody) -> tuple[Hashable, ...]:
 def _numbers(shape: Any) -> tuple[int, bytes]:
     """How many parts a shape has, and what they are."""
     if hasattr(shape, "pieces"):
-        curves = [curve.key() for piece in shape.pieces for curve in piece.sides]
-        return len(curves), repr(curves).encode()
+        return len(shape.pieces), repr(shape.to_dict()).encode()
     numbers = shape.vertices if isinstance(shape, Polyhedron) else shape.forms
     return len(numbers), numbers.tobytes()

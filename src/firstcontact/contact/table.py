@@ -193,22 +193,20 @@ def _answer(verb: Literal["first"], query: Query) -> FirstContact: ...
 def _answer(verb: Literal["intervals"], query: Query) -> ContactIntervals: ...
 def _answer(verb: str, query: Query) -> Any:
     """What the room for the bodies says; where that leaves it open, what the heights of the bodies tell."""
-    may_ask_heights = query.is_auto and query.budget is None and query.last is not None
-    if may_ask_heights and _is_of_steps(query):
-        from firstcontact.contact.levels import told
-
-        known = (told.first_at_once if verb == "first" else told.intervals_at_once)(query, partial(_of_room, "first"))
-        if known is not None:
-            return known
+    heights = query.is_auto and query.budget is None and query.last is not None
+    known = _by_heights(verb, query, None) if heights and _is_of_steps(query) else None
+    if known is not None:
+        return known
     found = _of_room(verb, query)
-    if found.status is not Status.UNDECIDED or not may_ask_heights:
-        return found
-    from firstcontact.contact.levels import told
+    more = _by_heights(verb, query, found) if heights and found.status is Status.UNDECIDED else None
+    return found if more is None else more
 
-    of_first: Callable[[Query], FirstContact] = partial(_of_room, "first")
-    if verb == "first":
-        return told.first(found, query, of_first)
-    return told.intervals(found, query, partial(_of_room, "intervals"), of_first)
+
+def _by_heights(verb: str, query: Query, found: Any) -> Any:
+    """What the heights of the bodies tell, of what is found or not asked yet; None where they do not."""
+    from firstcontact.contact.heights import told  # few questions need it
+
+    return getattr(told, verb)(query, found, _of_room)
 
 
 def _is_of_steps(query: Query) -> bool:

@@ -103,6 +103,11 @@ def shape_of(body: AnyBody) -> Any:
     return body.body if isinstance(body, Moving) else body
 
 
+def pose_of(body: AnyBody, t: float) -> np.ndarray:
+    """The (4, 4) float64 pose of a body at time t, the identity of one that rests."""
+    return np.asarray(body.motion(t), float) if isinstance(body, Moving) else np.eye(4)
+
+
 def drift_of(body: AnyBody | Moving) -> Vector | None:
     """The vector by which a body shifts in a unit of time, zero at rest; None of one that does more."""
     if not isinstance(body, Moving):

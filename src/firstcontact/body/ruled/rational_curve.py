@@ -8,7 +8,7 @@ from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import fmpq, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import fmpq, fmpq_poly, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from firstcontact.errors import InputError
 from firstcontact.exact.expressions import context, read_tuple
@@ -196,6 +196,17 @@ class RationalCurve:
         x, y, z, below = (fmpq(1) * c(u) for c in self.components)
         x, y, z = x / below, y / below, z / below
         return x, y, z
+
+    def height(self, normal: Vector) -> fmpq | None:
+        """normal . x where it is the same at all points of a curve that rests; None of others.
+
+        >>> RationalCurve.parse("(1/(1 + u), u, 1/3)").height((fmpq(0), fmpq(0), fmpq(3)))
+        1
+        """
+        total = sum((fmpq_poly(p) * c for p, c in zip(self.components[:3], normal, strict=True)), fmpq_poly())
+        weight = fmpq_poly(self.components[3])
+        height: fmpq = total[weight.degree()] / weight[weight.degree()]
+        return height if total == height * weight else None
 
     def points(self, u: ArrayLike) -> np.ndarray:
         """(..., 3) float64 points at rest, for u of any shape; it may be infinite, poles give NaN or infinity."""

@@ -44,7 +44,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import above, exact_value, fraction
 from firstcontact.exact.rigid import IDENTITY, apply
 from firstcontact.kernels.convex.mesh_walk import VISITS
-from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.moving import Moving, pose_of, shape_of
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.motion.relative.stretches import Untold, Window, windows
@@ -271,7 +271,7 @@ class _Answer:
         """(n, 3) vertices in the frame of the model at the start of the window; their error as a part of sizes."""
         t = window.first
         bodies = (self.a, self.b) if self.mesh_is_a else (self.b, self.a)
-        mesh_pose, model_pose = (x.motion(t) if isinstance(x, Moving) else np.eye(4) for x in bodies)
+        mesh_pose, model_pose = (pose_of(x, t) for x in bodies)
         pose = np.linalg.solve(model_pose, mesh_pose)
         x = self.mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
         size = float(np.abs(self.mesh.vertices).max() * np.abs(pose[:3, :3]).max() + np.abs(pose[:3, 3]).max())
@@ -334,7 +334,7 @@ class _Answer:
     def _flats(self, triangles: list[int], edges: list[int], touch: Touch) -> Directions:
         """Planes of triangles and edges across the normal."""
         mover = self.a if self.mesh_is_a else self.b
-        turn = mover.motion(touch.time)[:3, :3] if isinstance(mover, Moving) else np.eye(3)
+        turn = pose_of(mover, touch.time)[:3, :3]
         n = touch.normal
         found: list[tuple[None, Any]] = []
         for k in triangles:

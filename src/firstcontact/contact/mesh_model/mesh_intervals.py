@@ -20,14 +20,14 @@ from firstcontact.contact.mesh_model import exactly
 from firstcontact.contact.mesh_model.by_triangles import first, first_in_doubles, holds_model, lands, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
-from firstcontact.contact.mesh_model.sole_pair import outward_normal, pose_of, sole_pair
+from firstcontact.contact.mesh_model.sole_pair import outward_normal, sole_pair
 from firstcontact.contact.mesh_model.tip_ways import TipWays, ways_of
 from firstcontact.contact.models.certified import bounded
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.ways import Passed, Way, answered, decided, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import above, below, exact_value
-from firstcontact.motion.moving import shape_of
+from firstcontact.motion.moving import pose_of, shape_of
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.result import ContactIntervals, FirstContact, Status

@@ -16,7 +16,7 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import possible
 from firstcontact.contact.models.answer import element
 from firstcontact.exact.numbers import ball, exact_value
-from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.moving import pose_of, shape_of
 from firstcontact.motion.relative.curved import CurvedPiece, terms
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.result import ContactSet, Element
@@ -59,11 +59,6 @@ def sole_pair(
         "element_a": first, "element_b": second, "normal": outward if mesh_is_a else -outward, "multiplicity": 1,
         "contact_set": ContactSet("point", point[None]),
     }  # fmt: skip
-
-
-def pose_of(model: Body, time: float) -> np.ndarray:
-    """(4, 4)"""
-    return model.motion(time) if isinstance(model, Moving) else np.eye(4)
 
 
 def outward_normal(pose: np.ndarray, gradient: np.ndarray) -> np.ndarray:

@@ -64,11 +64,12 @@ def _heights(body: object, normal: Vector) -> Heights | None:
         if not lies and any(dot(row[:3], normal) for row in across):
             return None
     carriers = {face.carrier for face in body.faces}
-    levels = {_height(x, normal) for x in carriers if isinstance(x, Plane) and not any(cross(x.normal[:3], normal))}
+    levels = {height_of(x, normal) for x in carriers if isinstance(x, Plane) and not any(cross(x.normal[:3], normal))}
     return (min(levels), max(levels)) if len(levels) == 2 else None
 
 
-def _height(plane: Plane, normal: Vector) -> fmpq:
+def height_of(plane: Plane, normal: Vector) -> fmpq:
+    """normal . x at all points of a plane across it."""
     height: fmpq = -plane.normal[3] * dot(normal, normal) / dot(plane.normal[:3], normal)
     return height
 

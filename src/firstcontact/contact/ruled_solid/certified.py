@@ -22,7 +22,7 @@ from firstcontact.contact.signs.conditions import local_trims, reversed_trims
 from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value
-from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.moving import Moving, pose_of, shape_of
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.result import ContactIntervals, ContactSet, Element, FirstContact, Status
 from firstcontact.search.convex.advance import Advance
@@ -168,7 +168,7 @@ def ruled_element(body: Body, feature: RuledFeature, cut: int | None, which: str
 
 def _solid_element(pair: RuledAndSolid, feature: Face | Edge | Vertex, point: np.ndarray, time: float) -> Element:
     body = pair.given[1 - pair.side]
-    pose = np.asarray(body.motion(time), float) if isinstance(body, Moving) else np.eye(4)
+    pose = pose_of(body, time)
     where = np.linalg.solve(pose[:3, :3], point - pose[:3, 3])
     model = pair.model
     return element_of_solid(model, feature, "ab"[1 - pair.side], where)

@@ -6,21 +6,20 @@ times of `contact.advancing`; what it shares then at once it meets with its whol
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from flint import fmpq, fmpq_poly, fmpz_poly
+from flint import fmpq
 
-from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.advancing import Apart, Upright, axis_of_screw, in_longer_span, without_advance, without_turn
-from firstcontact.contact.models.advancing import upright as upright_solid
-from firstcontact.contact.polyhedra.prisms import upright as upright_prism
+from firstcontact.contact.advancing import Apart, Upright, axis_of_screw, in_longer_span, without_advance
+from firstcontact.contact.heights.landing import landed
+from firstcontact.contact.heights.meeting import ascents_of
 from firstcontact.contact.swapped import swapped
+from firstcontact.contact.upright_parts import upright
 from firstcontact.contact.ways import Passed, decided, tried
-from firstcontact.exact.numbers import above, below, to_double
+from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.vectors import Vector, dot, scaled
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.result import ContactIntervals, FirstContact, Status
@@ -50,57 +49,22 @@ def first_of_level(answer: First) -> First:
             return _raised(found, query)
         if found.status is Status.UNDECIDED or other.first == query.first:
             return answer(query)
-        return _landed(answer, query, other.first, found)
+        normal = axis_of_screw(query)
+        assert normal is not None
+        told = landed(query, normal, other.first, answer)
+        return replace(told, stats=found.stats + told.stats)
 
     return asked
 
 
-def _landed(answer: First, query: Query, time: fmpq, found: FirstContact) -> FirstContact:
-    """The first contact of bodies that share points as soon as their heights meet, at the time.
-
-    found: what was told of the bodies without their advance.  What meets is told of them without their turn, which
-    come together at the same time, in nearly the same place.
-    """
-    times = below(time), above(time)
-    told = FirstContact(
-        Status.CONTACT, to_double(time), times, multiplicity=1, free_until=times[0], stats=found.stats, **query.shared
-    )
-    straight = tried(lambda: answer(without_turn(query, time)))
-    if isinstance(straight, Passed) or straight.status is not Status.CONTACT:
-        return told
-    lands = straight.time_interval is not None and straight.time_interval[0] <= times[1]
-    return replace(
-        told, point=straight.point, normal=straight.normal, element_a=straight.element_a,
-        element_b=straight.element_b, contact_set=straight.contact_set, others=straight.others,
-        multiplicity=straight.multiplicity, stats=found.stats + straight.stats,
-    ) if lands else told  # fmt: skip
-
-
 def _raised(found: FirstContact, query: Query) -> FirstContact:
     """The first contact that is told of the level piece first, its point at the height at which that is then."""
-    normal, place = axis_of_screw(query), None
-    if found.point is not None and found.time is not None and normal is not None:
-        level = next(x for x in (_level_body(body, normal) for body in query.bodies) if x is not None)
-        n = np.array([to_double(c) for c in normal])
-        place = found.point + n * (level(found.time) - float(n @ found.point) / float(n @ n))
+    ascents, place = ascents_of(query), None
+    if found.point is not None and found.time is not None and ascents is not None:
+        place = ascents.raised(found.point, exact_value(found.time))
     ordered = _level_first(query)
     told = replace(found, point=place, contact_set=None, a=ordered.a, b=ordered.b)
     return replace(told if ordered is query else swapped(told), **query.shared)
-
-
-def _level_body(body: Body, normal: Vector) -> Callable[[float], float] | None:
-    """The height of a level piece at a time, in lengths of the normal; None of other bodies."""
-    height = _upright(body, normal) if hasattr(shape_of(body), "pieces") else None
-    if height is None:
-        return None
-    n = np.array([to_double(c) for c in normal])
-    start = to_double(height.low) / float(n @ n)
-
-    def at(time: float) -> float:
-        pose = np.asarray(body.motion(time), float) if isinstance(body, Moving) else np.eye(4)
-        return float(n @ (pose[:3, :3] @ (start * n) + pose[:3, 3])) / float(n @ n)
-
-    return at
 
 
 def intervals_of_level(answer: Intervals) -> Intervals:
@@ -129,11 +93,9 @@ def _level_first(query: Query) -> Query:
 
 def _upright(body: Body, normal: Vector) -> Upright | None:
     shape: Any = shape_of(body)
-    if isinstance(shape, Polyhedron):
-        return upright_prism(body, normal)
     if not hasattr(shape, "pieces"):
-        return upright_solid(body, normal)
-    levels = {_level(side.components, normal) for piece in shape.pieces for side in piece.sides if not piece.deforming}
+        return upright(body, normal)
+    levels = {side.height(normal) for piece in shape.pieces for side in piece.sides if not piece.deforming}
     level = levels.pop() if len(levels) == 1 and not any(piece.deforming for piece in shape.pieces) else None
     if level is None:
         return None
@@ -144,11 +106,3 @@ def _upright(body: Body, normal: Vector) -> Upright | None:
         return Moving(raised, body.motion) if isinstance(body, Moving) else raised
 
     return Upright(level, level, between)
-
-
-def _level(components: Sequence[fmpz_poly], normal: Vector) -> fmpq | None:
-    """The height of all points of a curve (X, Y, Z, W); None where it is not the same."""
-    height = sum((fmpq_poly(p) * c for p, c in zip(components[:3], normal, strict=True)), fmpq_poly())
-    weight = fmpq_poly(components[3])
-    level: fmpq = height[weight.degree()] / weight[weight.degree()]
-    return level if height == level * weight else None

@@ -5,19 +5,20 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import product
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from flint import fmpq
 
 from firstcontact.contact.advancing import Apart, without_advance
-from firstcontact.contact.levels.landing import common_point, without_turns
-from firstcontact.contact.levels.meeting import Ascents, Span, ascents_of, rest_within
+from firstcontact.contact.heights.landing import common_point, landed
+from firstcontact.contact.heights.meeting import Ascents, Span, ascents_of, rest_within
 from firstcontact.contact.upright_parts import parts_of, upright
 from firstcontact.contact.ways import Passed, tried
 from firstcontact.exact.numbers import above, below, exact_value, to_double
-from firstcontact.result import Asked, ContactInterval, ContactIntervals, FirstContact, Status
+from firstcontact.result import Asked, ContactInterval, ContactIntervals, FirstContact, Stats, Status
 from firstcontact.timeline.answers import union
 from firstcontact.work import Query
 
@@ -27,53 +28,43 @@ MOMENT = fmpq(1, 2**20)
 R = TypeVar("R", FirstContact, ContactIntervals)
 First = Callable[[Query], FirstContact]
 Intervals = Callable[[Query], ContactIntervals]
+OfRoom = Callable[[str, Query], Any]
 
 
-def first(found: FirstContact, query: Query, ask: First) -> FirstContact:
-    """What heights tell of a first contact that is left open; found: what is told of it, ask: tells of others."""
-    return _noted(found, query, lambda ascents: _first(found, query, ascents, ask))
+def first(query: Query, found: FirstContact | None, of_room: OfRoom) -> FirstContact | None:
+    """The first contact, where heights tell it.
+
+    found: what is told of it, and leaves it open; None where nothing is asked yet: then bodies are taken whose heights
+    meet at instants alone.  of_room(verb, query): tells of others.
+    """
+    ask: First = partial(of_room, "first")
+    if found is None:
+        return _noted(query, query.stats(), lambda ascents: _first_of_instants(query, ascents, ask))
+    return _noted(query, found.stats, lambda ascents: _first(found, query, ascents, ask))
 
 
-def intervals(found: ContactIntervals, query: Query, ask: Intervals, ask_first: First) -> ContactIntervals:
-    """The same of all contacts: those of the times at which the bodies have a height in common; of unions of solids
-    those of each part."""
-    return _noted(found, query, lambda ascents: _intervals(query, ascents, ask, ask_first))
+def intervals(query: Query, found: ContactIntervals | None, of_room: OfRoom) -> ContactIntervals | None:
+    """The same of all contacts, which are at times at which the bodies have a height in common; of unions of solids by
+    their parts."""
+    ask: Intervals = partial(of_room, "intervals")
+    ask_first: First = partial(of_room, "first")
+    if found is None:
+        return _noted(query, query.stats(), lambda ascents: _all_of_instants(query, ascents, ask_first))
+    return _noted(query, found.stats, lambda ascents: _intervals(query, ascents, ask, ask_first))
 
 
-def first_at_once(query: Query, ask: First) -> FirstContact | None:
-    """The first contact of bodies whose heights meet at instants alone, if at all; None of others, and where that is
-    left open."""
-    def tell(ascents: Ascents) -> FirstContact | None:
-        instants = _instants(query, ascents)
-        for instant in instants or ():
-            meets = _meet_at(query, ascents, instant, ask)
-            if meets is not False:
-                return _landed(query, ascents, instant, ask) if meets and instant > query.first else None
-        return None if instants is None else FirstContact.free(query.stats(), **query.shared)
-
-    return _told_at_once(query, tell)
-
-
-def intervals_at_once(query: Query, ask_first: First) -> ContactIntervals | None:
-    """The same of all contacts."""
-    def tell(ascents: Ascents) -> ContactIntervals | None:
-        instants = _instants(query, ascents)
-        meets = [_meet_at(query, ascents, t, ask_first) for t in instants or ()]
-        if instants is None or None in meets:
-            return None
-        return _all(query, [_lasting(t, t) for t, met in zip(instants, meets, strict=True) if met])
-
-    return _told_at_once(query, tell)
-
-
-def _told_at_once(query: Query, tell: Callable[[Ascents], R | None]) -> R | None:
+def _noted(query: Query, stats: Stats, tell: Callable[[Ascents], R | None]) -> R | None:
+    """What heights tell, as a way that was asked after those of the stats."""
     begin, ascents = clock.perf_counter(), ascents_of(query)
     told = None if ascents is None else tried(lambda: tell(ascents))
     if told is None or isinstance(told, Passed):
         return None
     end = clock.perf_counter()
-    asked = Asked("by heights", told.status.name, end - begin)
-    return replace(told, stats=replace(query.stats(), ways=(asked,), seconds=end - query.begin), **query.shared)
+    ways = *stats.ways, Asked("by heights", told.status.name, end - begin)
+    return replace(told, stats=replace(stats, ways=ways, seconds=end - query.begin), **query.shared)
+
+
+# -- of instants ----------------------------------------------------------------------------------------------
 
 
 def _instants(query: Query, ascents: Ascents) -> list[fmpq] | None:
@@ -84,23 +75,37 @@ def _instants(query: Query, ascents: Ascents) -> list[fmpq] | None:
     return [start for start, _ in spans]
 
 
-def _meet_at(query: Query, ascents: Ascents, time: fmpq, ask_first: First) -> bool | None:
-    """Whether the bodies share a point at an instant; None where that is left open."""
-    if common_point(query, ascents, time) is not None:
-        return True
+def _first_of_instants(query: Query, ascents: Ascents, ask: First) -> FirstContact | None:
+    instants = _instants(query, ascents)
+    for instant in instants or ():
+        meets, point = _meet_at(query, ascents, instant, ask)
+        if meets is None or (meets and instant == query.first):
+            return None
+        if meets:
+            return landed(query, ascents.normal, instant, ask, point)
+    return None if instants is None else FirstContact.free(query.stats(), **query.shared)
+
+
+def _all_of_instants(query: Query, ascents: Ascents, ask_first: First) -> ContactIntervals | None:
+    instants = _instants(query, ascents)
+    meets = [_meet_at(query, ascents, t, ask_first)[0] for t in instants or ()]
+    if instants is None or None in meets:
+        return None
+    return _all(query, [_lasting(t, t) for t, met in zip(instants, meets, strict=True) if met])
+
+
+def _meet_at(
+    query: Query, ascents: Ascents, time: fmpq, ask_first: First
+) -> tuple[bool | None, np.ndarray | None]:
+    """(whether the bodies share a point at an instant, None where that is left open; the point, where it is known)."""
+    point = common_point(query, ascents, time)
+    if point is not None:
+        return True, point
     then = ask_first(replace(query, first=time, last=time, progress=None)).status
-    return True if then is Status.INITIAL_CONTACT else False if then is Status.FREE else None
+    return True if then is Status.INITIAL_CONTACT else False if then is Status.FREE else None, None
 
 
-def _noted(found: R, query: Query, tell: Callable[[Ascents], R | None]) -> R:
-    """What heights tell, as a way that was asked; else what was found."""
-    begin, ascents = clock.perf_counter(), ascents_of(query)
-    told = None if ascents is None else tried(lambda: tell(ascents))
-    if told is None or isinstance(told, Passed):
-        return found
-    end = clock.perf_counter()
-    ways = *found.stats.ways, Asked("by heights", told.status.name, end - begin)
-    return replace(told, stats=replace(found.stats, ways=ways, seconds=end - query.begin), **query.shared)
+# -- first contacts that are left open ------------------------------------------------------------------------
 
 
 def _first(found: FirstContact, query: Query, ascents: Ascents, ask: First) -> FirstContact | None:
@@ -112,29 +117,13 @@ def _first(found: FirstContact, query: Query, ascents: Ascents, ask: First) -> F
     time = later[0][0]
     if time == query.first and (point := common_point(query, ascents, time)) is not None:
         return _touching(query, point)
-    if time > query.first and time >= until and (told := _landed(query, ascents, time, ask)) is not None:
-        return told
+    if query.first < time and until <= time:
+        meets, point = _meet_at(query, ascents, time, ask)
+        if meets:
+            return landed(query, ascents.normal, time, ask, point)
     if (told := _by_turns(query, ascents, ask)) is not None:
         return told
     return replace(found, free_until=below(time)) if time > until else None
-
-
-def _landed(query: Query, ascents: Ascents, time: fmpq, ask: First) -> FirstContact | None:
-    """Contact at an instant up to which all is free; None where none is proved.  What meets is told without turns."""
-    point = common_point(query, ascents, time)
-    if point is None and ask(replace(query, first=time, last=time, progress=None)).status is not Status.INITIAL_CONTACT:
-        return None
-    times = below(time), above(time)
-    told = FirstContact(Status.CONTACT, to_double(time), times, point=point, free_until=times[0], **query.shared)
-    straight = tried(lambda: ask(without_turns(query, ascents, time)))
-    if isinstance(straight, Passed) or straight.status is not Status.CONTACT or straight.time_interval is None:
-        return told
-    if straight.time_interval[1] < times[0]:
-        return told
-    return replace(
-        told, point=straight.point, normal=straight.normal, element_a=straight.element_a, element_b=straight.element_b,
-        contact_set=straight.contact_set, others=straight.others, multiplicity=straight.multiplicity,
-    )  # fmt: skip
 
 
 def _touching(query: Query, point: np.ndarray) -> FirstContact:
@@ -157,17 +146,12 @@ def _by_turns(query: Query, ascents: Ascents, ask: First) -> FirstContact | None
     if found.status is Status.FREE:
         return FirstContact.free(query.stats(), **query.shared)
     # what meets of a taller body may be beyond the own one
-    point = _raised(found, ascents)
+    assert found.time is not None
+    point = None if found.point is None else ascents.raised(found.point, exact_value(found.time))
     return replace(found, point=point, element_a=None, element_b=None, others=(), multiplicity=0, contact_set=None)
 
 
-def _raised(found: FirstContact, ascents: Ascents) -> np.ndarray | None:
-    """The point of contact, at the lowest height that the bodies have in common then."""
-    if found.point is None or found.time is None:
-        return None
-    low, n = to_double(ascents.lowest_at(exact_value(found.time))), np.array([to_double(c) for c in ascents.normal])
-    point: np.ndarray = found.point + n * (low - float(n @ found.point)) / float(n @ n)
-    return point
+# -- all contacts that are left open --------------------------------------------------------------------------
 
 
 def _intervals(query: Query, ascents: Ascents, ask: Intervals, ask_first: First) -> ContactIntervals | None:
@@ -217,7 +201,7 @@ def _within(
     if start < end and not all(rest_within(x, start, end) for x in query.bodies):
         found = ask(replace(query, first=start, last=end, progress=None))
         return _but_for_ends(query, ascents, span, ask) if found.status is Status.UNDECIDED else list(found)
-    meets = _meet_at(query, ascents, start, ask_first)
+    meets, _ = _meet_at(query, ascents, start, ask_first)
     return None if meets is None else [_lasting(start, end)] if meets else []
 
 

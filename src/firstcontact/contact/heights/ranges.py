@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import fmpq, fmpq_poly
+from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.body.solid.carriers import Plane
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.body.solid.primitives import half_space
+from firstcontact.contact.models.advancing import height_of
 from firstcontact.contact.polyhedra.prisms import heights_of
 from firstcontact.contact.reduce import as_model, is_small_and_convex
 from firstcontact.errors import InputError
-from firstcontact.exact.numbers import exact_value, simplest, to_double
+from firstcontact.exact.numbers import exact_value, rational, simplest, to_double
 from firstcontact.exact.vectors import Vector, add, cross, dot, scaled
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def _of_solid(solid: CompositeQuadric, normal: Vector) -> list[fmpq]:
         return []
     planes = (face.carrier for face in solid.faces)
     level = [x for x in planes if isinstance(x, Plane) and not any(cross(x.normal[:3], normal))]
-    found = [-x.normal[3] * dot(normal, normal) / dot(x.normal[:3], normal) for x in level]
+    found = [height_of(x, normal) for x in level]
     if not found:
         return []
     beyond = (normal, min(found)), (scaled(fmpq(-1), normal), -max(found))
@@ -84,23 +84,18 @@ def _of_piece(piece: RuledSurface, normal: Vector) -> list[fmpq]:
 
 
 def _of_curve(curve: RationalCurve, piece: RuledSurface, normal: Vector) -> list[fmpq]:
-    height = sum((fmpq_poly(p) * c for p, c in zip(curve.components[:3], normal, strict=True)), fmpq_poly())
-    weight = fmpq_poly(curve.components[3])
-    level: fmpq = height[weight.degree()] / weight[weight.degree()]
-    if height == level * weight:
+    """Of a level curve, or the ends of a line."""
+    level = curve.height(normal)
+    if level is not None:
         return [level]
-    if piece.u is None or weight.degree() > 0 or height.degree() > 1:
+    if piece.u is None or curve.degree > 1 or curve.components[3].degree() > 0:
         return []
-    return [height(_exact(u)) / weight[0] for u in piece.u]
+    return [dot(normal, curve.place(rational(u, "u"))) for u in piece.u]
 
 
 _HEIGHTS: dict[str, Callable[[Any, Vector], list[fmpq]]] = {
     Polyhedron.kind: heights_of, CompositeQuadric.kind: _of_solid, RuledSurface.kind: _of_ruled
 }
-
-
-def _exact(x: Fraction) -> fmpq:
-    return fmpq(x.numerator, x.denominator)
 
 
 # -- points at a height ---------------------------------------------------------------------------------------
@@ -137,22 +132,18 @@ def _of_faces(solid: CompositeQuadric, normal: Vector, level: fmpq, near: np.nda
     near = np.array([np.maximum(near[0], own[0]), np.minimum(near[1], own[1])])
     if (near[0] > near[1]).any():
         return
-    corners = np.array(np.meshgrid(*near.T)).reshape(3, -1).T
+    corners = np.array(list(product(*near.T)))
     sides = [np.sort([(corners @ w / (w @ w)).min(), (corners @ w / (w @ w)).max()]) for w in ways]
-    grid = [
-        [simplest(exact_value(lo), exact_value(hi)) for lo, hi in _parts(side)]
-        for side in sides
-    ]
+    grid = [[simplest(exact_value(lo), exact_value(hi)) for lo, hi in _parts(side)] for side in sides]
     foot = scaled(level / square, normal)
     n = np.array([to_double(c) for c in normal])
     size = float(np.abs(np.subtract(*solid.bounds())).max())
     inward = INWARD * size / float(np.linalg.norm(n)) * n
-    for x in grid[0]:
-        for y in grid[1]:
-            p = add(foot, add(scaled(x, first), scaled(y, second)))
-            rough = np.array([to_double(c) for c in p])
-            if solid.contains(np.array([rough - inward, rough + inward])).any() and solid.contains_exactly(p):
-                yield p
+    for x, y in product(*grid):
+        p = add(foot, add(scaled(x, first), scaled(y, second)))
+        rough = np.array([to_double(c) for c in p])
+        if solid.contains(np.array([rough - inward, rough + inward])).any() and solid.contains_exactly(p):
+            yield p
 
 
 _UNITS = [tuple(fmpq(int(i == k)) for i in range(3)) for k in range(3)]
@@ -182,14 +173,14 @@ def _parameters(piece: RuledSurface) -> Iterator[fmpq]:
         ends = np.tan(np.linspace(-1.5, 1.5, ALONG)).tolist()
         yield from (simplest(exact_value(x), exact_value(y)) for x, y in pairwise(ends))
     else:
-        lo, hi = map(_exact, piece.u)
+        lo, hi = (rational(u, "u") for u in piece.u)
         yield from (lo + (hi - lo) * fmpq(k, ALONG) for k in range(ALONG + 1))
 
 
 def _is_kept(piece: RuledSurface, u: fmpq, r: fmpq) -> bool:
     """Whether the point at u, that part of the ruling, satisfies the inequalities that trim it."""
     assert piece.s is not None
-    lo, hi = map(_exact, piece.s)
+    lo, hi = (rational(s, "s") for s in piece.s)
     s = lo + (hi - lo) * r
     for trim in piece.trim:
         value = sum((fmpq(c) * u**i * s**j for (i, j), c in trim.polynomial.to_dict().items()), fmpq(0))

@@ -7,25 +7,28 @@ the instant in balls; its height needs none.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.levels.meeting import Ascents, Span, speed_of, steps_in
-from firstcontact.contact.levels.ranges import points_at
+from firstcontact.contact.heights.meeting import Ascents, Span, speed_of, steps_in
+from firstcontact.contact.heights.ranges import points_at
 from firstcontact.contact.reduce import as_model, is_small_and_convex
 from firstcontact.contact.upright_parts import upright
-from firstcontact.exact.numbers import ball, precision
+from firstcontact.contact.ways import Passed, tried
+from firstcontact.exact.numbers import above, ball, below, precision, to_double
 from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
 from firstcontact.exact.vectors import Vector, dot, scaled
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.curved import terms
 from firstcontact.motion.relative.pieces import curved_pieces, placement_at
 from firstcontact.motion.translation import Translation
+from firstcontact.result import FirstContact, Status
 from firstcontact.timeline.lasting import LastingSolid
 from firstcontact.work import Query
 
@@ -112,14 +115,29 @@ def _doubles(m: Matrix) -> np.ndarray:
 
 def _seen_in(m: np.ndarray, corners: Any) -> np.ndarray:
     """(2, 3): a box around a box that is mapped by m."""
-    points = np.array(np.meshgrid(*np.array(corners).T)).reshape(3, -1).T @ m[:3, :3].T + m[:3, 3]
+    points = np.array(list(product(*np.transpose(corners)))) @ m[:3, :3].T + m[:3, 3]
     return np.array([points.min(axis=0), points.max(axis=0)])
 
 
-def without_turns(query: Query, ascents: Ascents, time: fmpq) -> Query:
-    """The same question of bodies that come to the instant without turning, in nearly the pose that they have then."""
-    a, b = (_standing(body, ascents.normal, query.first, time) for body in query.bodies)
-    return replace(query, a=a, b=b, last=time)
+def landed(
+    query: Query, normal: Vector, time: fmpq, ask: Callable[[Query], FirstContact], point: np.ndarray | None = None
+) -> FirstContact:
+    """Contact at an exact time, before which there is none.
+
+    What meets is told of bodies that come to the instant without turning, in nearly the pose that they have then.
+    point: one that they share, where that is not told.
+    """
+    times = below(time), above(time)
+    told = FirstContact(Status.CONTACT, to_double(time), times, point=point, free_until=times[0], **query.shared)
+    a, b = (_standing(body, normal, query.first, time) for body in query.bodies)
+    straight = tried(lambda: ask(replace(query, a=a, b=b, last=time)))
+    if isinstance(straight, Passed) or straight.status is not Status.CONTACT:
+        return told
+    return replace(
+        told, point=straight.point, normal=straight.normal, element_a=straight.element_a, element_b=straight.element_b,
+        contact_set=straight.contact_set, others=straight.others, multiplicity=straight.multiplicity,
+        stats=straight.stats,
+    )  # fmt: skip
 
 
 def _standing(body: Body, normal: Vector, first: fmpq, time: fmpq) -> Body:

@@ -10,11 +10,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from flint import fmpq
 
-from firstcontact.contact.levels.ranges import Heights, heights
+from firstcontact.contact.advancing import rise_of
+from firstcontact.contact.heights.ranges import Heights, heights
+from firstcontact.exact.numbers import to_double
 from firstcontact.exact.rigid import rational_sqrt
-from firstcontact.exact.vectors import Vector, cross, dot
+from firstcontact.exact.vectors import Vector, dot
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.placement import Placement, Twist
 from firstcontact.motion.relative.stretches import known_steps
@@ -58,9 +61,13 @@ class Ascents:
         low, high = self.ranges[1 - which]
         return all(low <= height + _at(own, t) - _at(other, t) <= high for t in times)
 
-    def lowest_at(self, time: fmpq) -> fmpq:
-        """The lowest of the heights that they have in common."""
-        return max(low + _at(knots, time) for (low, _), knots in zip(self.ranges, self.rises, strict=True))
+    def raised(self, point: np.ndarray, time: fmpq) -> np.ndarray:
+        """The point at the lowest of the heights that they have in common then, a time that is rounded."""
+        time = min(max(time, self.rises[0][0][0]), self.rises[0][-1][0])
+        lowest = max(low + _at(knots, time) for (low, _), knots in zip(self.ranges, self.rises, strict=True))
+        n = np.array([to_double(c) for c in self.normal])
+        place: np.ndarray = point + n * (to_double(lowest) - float(n @ point)) / float(n @ n)
+        return place
 
     def meetings(self) -> list[Span]:
         """The closed times at which they have a height in common, in order."""
@@ -80,7 +87,10 @@ class Ascents:
 
 
 def _where_both(first: fmpq, last: fmpq, start: tuple[fmpq, fmpq], end: tuple[fmpq, fmpq]) -> Span | None:
-    """The part of a time in which two heights, which change at constant speed, are at most 0."""
+    """The part of a time in which two heights, which change at constant speed, are at most 0.
+
+    Their sum never is more, so that one is not positive still when the other one is no longer.
+    """
     lo, hi = fmpq(0), fmpq(1)
     for x, y in zip(start, end, strict=True):
         if x > 0 and y > 0:
@@ -89,14 +99,14 @@ def _where_both(first: fmpq, last: fmpq, start: tuple[fmpq, fmpq], end: tuple[fm
             lo = max(lo, x / (x - y))
         elif y > 0:
             hi = min(hi, x / (x - y))
-    return None if lo > hi else (first + lo * (last - first), first + hi * (last - first))
+    return first + lo * (last - first), first + hi * (last - first)
 
 
 def _at(knots: Knots, time: fmpq) -> fmpq:
     for (t, h), (t_next, h_next) in pairwise(knots):
-        if t <= time <= t_next and t < t_next:
-            return h + (h_next - h) * (time - t) / (t_next - t)
-    return knots[0][1]
+        if t <= time <= t_next:
+            return h if t == t_next else h + (h_next - h) * (time - t) / (t_next - t)
+    raise AssertionError(f"{time} is no time of the span")
 
 
 def ascents_of(query: Query) -> Ascents | None:
@@ -167,16 +177,5 @@ def _height_of(pose: Placement, normal: Vector) -> fmpq | None:
 
 def speed_of(step: Step, normal: Vector) -> fmpq | None:
     """How fast heights grow in a step; None where it turns about another direction, or at irrational speed."""
-    motion: Any = step.motion
-    if isinstance(motion, Translation):
-        rise: fmpq = dot(motion.vector, normal) / step.unit
-        return rise
-    if not isinstance(motion, Rotation | Screw) or any(cross(motion.axis, normal)):
-        return None
-    if isinstance(motion, Rotation):
-        return fmpq(0)
-    length = rational_sqrt(dot(motion.axis, motion.axis))
-    if length is None:
-        return None
-    ahead: fmpq = motion.advance / length * dot(motion.axis, normal) / step.unit
-    return ahead
+    rise = rise_of(step.motion, normal)
+    return None if rise is None else rise / step.unit
