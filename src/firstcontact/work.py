@@ -5,7 +5,6 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
@@ -143,7 +142,7 @@ class Query:
     begin: float = field(default_factory=clock.perf_counter)
     enough: fmpq | None = None
 
-    @cached_property
+    @property
     def span(self) -> tuple[float, float]:
         """The span in doubles."""
         return to_double(self.first), float("inf") if self.last is None else to_double(self.last)

@@ -82,6 +82,7 @@ INSTEAD = {
     "intersection_curve": "the boundaries of solids meet in the edges of a & b",
 }
 """What to ask of pairs that a verb does not take."""
+_OF_STEPS = Sequence, Trajectory
 MESHES = Kind.MESH, Kind.MESH
 _KINDS = {kind.value: kind for kind in Kind}
 _SORTED = {pair: (x, y) for x, y in combinations_with_replacement(Kind, 2) for pair in ((x, y), (y, x))}
@@ -136,7 +137,7 @@ def matrix() -> str:
 def first_contact(query: Query) -> FirstContact:
     """The answer of the room for the bodies."""
     if _is_of_one_step(query):
-        return _answer("first", query)
+        return _answer("first", query, one_step=True)
     whole = partial(along.first, partial(plain.asked, _first))
     return linked.first(partial(one_joint.first, whole), query)
 
@@ -144,7 +145,7 @@ def first_contact(query: Query) -> FirstContact:
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
     if _is_of_one_step(query):
-        return as_far_as_decided(_answer("intervals", query))
+        return as_far_as_decided(_answer("intervals", query, one_step=True))
     whole = partial(along.intervals, partial(plain.asked, _intervals))
     return as_far_as_decided(linked.intervals(partial(one_joint.intervals, whole), query))
 
@@ -160,10 +161,14 @@ def _is_of_one_step(query: Query) -> bool:
 
     What is a plainer motion, such as a screw that only turns, is asked about as that instead.
     """
-    if any(map(plain.deforms, query.bodies)):  # one may be a body that shifts
+    a, b = query.a, query.b
+    if plain.deforms(a) or plain.deforms(b):  # one may be a body that shifts
         return False
-    moving = [x.motion for x in query.bodies if isinstance(x, Moving)]
-    return not moving or (len(moving) == 1 and isinstance(moving[0], Motion) and moving[0].is_one_step)
+    if not isinstance(a, Moving):
+        a, b = b, a
+    if not isinstance(a, Moving):
+        return True
+    return not isinstance(b, Moving) and isinstance(a.motion, Motion) and a.motion.is_one_step
 
 
 def _turns(query: Query) -> bool:
@@ -188,18 +193,25 @@ class _Room(Protocol):
 
 
 @overload
-def _answer(verb: Literal["first"], query: Query) -> FirstContact: ...
+def _answer(verb: Literal["first"], query: Query, one_step: bool = False) -> FirstContact: ...
 @overload
-def _answer(verb: Literal["intervals"], query: Query) -> ContactIntervals: ...
-def _answer(verb: str, query: Query) -> Any:
-    """What the room for the bodies says; where that leaves it open, what the heights of the bodies tell."""
-    heights = query.is_auto and query.budget is None and query.last is not None
-    known = _by_heights(verb, query, None) if heights and _is_of_steps(query) else None
+def _answer(verb: Literal["intervals"], query: Query, one_step: bool = False) -> ContactIntervals: ...
+def _answer(verb: str, query: Query, one_step: bool = False) -> Any:
+    """What the room for the bodies says; where that leaves it open, what the heights of the bodies tell.
+
+    one_step: known to be so; of bodies that move in several steps heights are asked first.
+    """
+    known = _by_heights(verb, query, None) if not one_step and _is_of_steps(query) and _has_heights(query) else None
     if known is not None:
         return known
     found = _of_room(verb, query)
-    more = _by_heights(verb, query, found) if heights and found.status is Status.UNDECIDED else None
+    more = _by_heights(verb, query, found) if found.status is Status.UNDECIDED and _has_heights(query) else None
     return found if more is None else more
+
+
+def _has_heights(query: Query) -> bool:
+    """Whether heights may answer."""
+    return query.is_auto and query.budget is None and query.last is not None
 
 
 def _by_heights(verb: str, query: Query, found: Any) -> Any:
@@ -211,7 +223,7 @@ def _by_heights(verb: str, query: Query, found: Any) -> Any:
 
 def _is_of_steps(query: Query) -> bool:
     """Whether a body moves in several steps."""
-    return any(isinstance(x, Moving) and isinstance(x.motion, Sequence | Trajectory) for x in query.bodies)
+    return any(isinstance(x, Moving) and isinstance(x.motion, _OF_STEPS) for x in query.bodies)
 
 
 def _of_room(verb: str, query: Query) -> Any:

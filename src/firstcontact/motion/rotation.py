@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from firstcontact.motion.screw import Screw
     from firstcontact.result import Table
 
-# Of directions that stay as they are given; others take a power of two.
-MOST_BITS = 200
+# Length from which directions stay as they are given; shorter ones take a power of two.
+_SHORTEST = fmpq(2) ** -200
 
 
 class Rotation(Motion):
@@ -128,14 +128,14 @@ class Rotation(Motion):
 
 
 def direction(values: Iterable[Given], what: str) -> tuple[fmpq, fmpq, fmpq]:
-    """Three exact numbers, not all zero, of a size whose squares doubles hold; InputError names `what`."""
+    """Three exact numbers, not all zero, whose squares doubles hold; InputError names `what`."""
     x, y, z = vector3(values, what)
     if not (x or y or z):
         raise InputError(f"{what} is zero; give a direction such as (0, 0, 1)")
-    bits = max(int(c.p).bit_length() - int(c.q).bit_length() for c in (x, y, z) if c)
-    if abs(bits) <= MOST_BITS:
+    largest = max(abs(x), abs(y), abs(z))
+    if largest > _SHORTEST:
         return x, y, z
-    scale = fmpq(2) ** -bits
+    scale = fmpq(2) ** (int(largest.q).bit_length() - int(largest.p).bit_length())
     return x * scale, y * scale, z * scale
 
 

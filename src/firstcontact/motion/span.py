@@ -31,6 +31,7 @@ LAST_DOUBLE = fmpq(2) ** 1023
 NEARER = "give a time below 2^150, or inf as the end of a translation"
 # Full turns that are searched one by one, and whose contacts are listed: seconds; many more fill the memory.
 MOST_TURNS = 10_000
+_FEW_TURNS = Translation, Trajectory
 
 
 def limits(motion: AnyMotion) -> tuple[fmpq, fmpq] | None:
@@ -105,7 +106,7 @@ def refuse_many_turns(
 ) -> None:  # fmt: skip
     """InputError for a body that turns more than MOST_TURNS times in the span by a motion of these kinds."""
     for body in (a, b):
-        if not isinstance(body, Moving) or isinstance(body.motion, Translation | Trajectory):
+        if not isinstance(body, Moving) or isinstance(body.motion, _FEW_TURNS):
             continue  # between two poses it is half a turn at most
         motion = body.motion
         for step in [motion] if isinstance(motion, Linkage) else getattr(motion, "steps", [motion]):

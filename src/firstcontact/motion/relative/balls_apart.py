@@ -60,13 +60,12 @@ def turn_apart(axis: Vector, point: Vector, angle: tuple[fmpq, fmpq], a: Ball, b
     """
     if math.dist(a.centre, b.centre) < a.radius + b.radius:
         return False
-    p0, p1, p2 = map(to_double, point)
-    u0, u1, u2 = map(to_double, axis)
+    (p0, p1, p2), (u0, u1, u2) = map(to_double, point), map(to_double, axis)
     length = math.hypot(u0, u1, u2)
     u0, u1, u2 = u0 / length, u1 / length, u2 / length
     (x, y, z), (r, s, t) = a.centre, b.centre
     x, y, z, r, s, t = x - p0, y - p1, z - p2, r - p0, s - p1, t - p2
-    size = max(abs(x), abs(y), abs(z), abs(r), abs(s), abs(t), abs(p0), abs(p1), abs(p2))
+    size = math.hypot(x, y, z, r, s, t, p0, p1, p2)
     enough = (a.radius + b.radius) * (1.0 + _SLACK) + _SLACK * size + _LOST
     up_a, up_b = x * u0 + y * u1 + z * u2, r * u0 + s * u1 + t * u2
     x, y, z, r, s, t = x - up_a * u0, y - up_a * u1, z - up_a * u2, r - up_b * u0, s - up_b * u1, t - up_b * u2
