@@ -306,3 +306,31 @@ def test_what_stands_on_the_floor_at_the_start_and_goes_up(floor):
     hit, found = fc.first_contact(moving, floor), fc.contact_intervals(moving, floor)
     assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "touching")
     assert found.status is fc.Status.INITIAL_CONTACT and [(x.start, x.end) for x in found] == [(0.0, 0.0)]
+
+
+@pytest.mark.parametrize("floor", [PLATE, SLAB], ids=["solid", "mesh"])
+@pytest.mark.parametrize("name", RISEN)
+def test_screws_go_on_before_time_zero(name, floor):
+    """At times before zero, on a screw that sinks or rises 4 in a unit of time, about an axis through the floor."""
+    sinks = RISEN[name].translated((1, 0, -2)).moving(screw(-4))  # at height 2 at time -1, 0 at -1/2
+    hit = fc.first_contact(sinks, floor, span=(-1, F(-1, 4)))
+    assert hit.status.name == "CONTACT"
+    assert hit.time_interval[0] <= -0.5 <= hit.time_interval[1]
+    rises = RISEN[name].translated((1, 0, 4)).moving(screw(4))  # at height 0 at time -1
+    assert fc.first_contact(rises, floor, span=(-1, 0)).status.name in ("INITIAL_CONTACT", "UNDECIDED")
+    told = fc.contact_intervals(rises, floor, span=(-1, 0))
+    assert told.status.name == "UNDECIDED" or [(x.start, x.end) for x in told] == [(-1, -1)]
+    assert fc.first_contact(rises, floor, span=(F(-3, 4), 0)).status.name == "FREE"
+
+
+def test_a_frustum_that_lifts_off_a_floor_before_time_zero_was_said_to_be_free():
+    start = fc.frustum(1, 2, 2).translated((F(-1, 2), F(-1, 2), 4)).moving(fc.Screw(UP, turns=F(-1, 5), advance=3))
+    floor = fc.box((6, 6, 2))
+    told = fc.contact_intervals(start, floor, (-1, 0))
+    assert (told.status.name, [(x.start, x.end) for x in told]) == ("INITIAL_CONTACT", [(-1, -1)])
+    assert fc.contact_intervals(start, floor, (-1, F(-1, 2))).status.name == "INITIAL_CONTACT"
+    lifts = fc.frustum(1, 2, 3).translated((F(-1, 2), F(-1, 2), -1)).moving(fc.Screw(UP, turns=F(-1, 12), advance=3))
+    for b in (floor, fc.examples.box((6, 6, 2))):
+        hit = fc.first_contact(lifts, b, (-1, 0))
+        assert hit.status.name == "UNDECIDED" or hit.time == -1  # never later
+        assert all(x.start == -1 for x in fc.contact_intervals(lifts, b, (-1, 0)))

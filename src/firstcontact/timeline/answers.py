@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
-from firstcontact.exact.numbers import exact_value, likely, to_double
+from firstcontact.exact.numbers import above, below, exact_value, likely, to_double
 from firstcontact.result import ContactInterval, ContactIntervals, Status
 from firstcontact.timeline.sweep import Found
 from firstcontact.work import Query, Work
 
 if TYPE_CHECKING:
+    from flint import fmpq
+
     from firstcontact.result import ExactTime
 
 
@@ -68,6 +70,21 @@ def union(intervals: Sequence[ContactInterval]) -> list[ContactInterval]:
         else:
             merged.append(x)
     return merged
+
+
+def all_told(query: Query, told: Sequence[ContactInterval]) -> ContactIntervals:
+    """The answer that these, which may meet, and no others are the contacts."""
+    merged = tuple(union(told))
+    if not merged:
+        return ContactIntervals.free(query.stats(), **query.shared)
+    begins = merged[0].start_interval[1] <= above(query.first)
+    status = Status.INITIAL_CONTACT if begins else Status.CONTACT
+    return ContactIntervals(merged, status, merged[0].start, None, query.stats(), **query.shared)
+
+
+def lasting(start: fmpq, end: fmpq) -> ContactInterval:
+    """From one exact time to another."""
+    return ContactInterval(to_double(start), to_double(end), (below(start), above(start)), (below(end), above(end)))
 
 
 class Told(Protocol):

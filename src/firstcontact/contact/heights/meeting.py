@@ -112,8 +112,11 @@ def _at(knots: Knots, time: fmpq) -> fmpq:
 def ascents_of(query: Query) -> Ascents | None:
     """None where the motions keep no direction, or heights are not told."""
     normal = _direction(query)
-    if normal is None:
-        return None
+    return None if normal is None else ascents_along(query, normal)
+
+
+def ascents_along(query: Query, normal: Vector) -> Ascents | None:
+    """The same in a given direction."""
     rises = [_rise(x, normal, query.first, query.end) for x in query.bodies]
     if rises[0] is None or rises[1] is None:
         return None
@@ -153,8 +156,8 @@ def _rise(body: Body, normal: Vector, first: fmpq, last: fmpq) -> Knots | None:
     steps, found = steps_in(body, first, last), []
     if not steps:
         return None
-    for step in steps:
-        start = first if step.start < first else step.start
+    for k, step in enumerate(steps):
+        start = first if k == 0 else step.start  # motions without end have none before zero, either
         end = last if step.end is None or step.end > last else step.end
         speed, base = speed_of(step, normal), _height_of(step.before, normal)
         if speed is None or base is None:

@@ -17,9 +17,9 @@ from firstcontact.contact.heights.landing import common_point, landed
 from firstcontact.contact.heights.meeting import Ascents, Span, ascents_of, rest_within
 from firstcontact.contact.upright_parts import parts_of, upright
 from firstcontact.contact.ways import Passed, tried
-from firstcontact.exact.numbers import above, below, exact_value, to_double
+from firstcontact.exact.numbers import below, exact_value
 from firstcontact.result import Asked, ContactInterval, ContactIntervals, FirstContact, Stats, Status
-from firstcontact.timeline.answers import union
+from firstcontact.timeline.answers import all_told, lasting
 from firstcontact.work import Query
 
 MOMENT = fmpq(1, 2**20)
@@ -91,7 +91,7 @@ def _all_of_instants(query: Query, ascents: Ascents, ask_first: First) -> Contac
     meets = [_meet_at(query, ascents, t, ask_first)[0] for t in instants or ()]
     if instants is None or None in meets:
         return None
-    return _all(query, [_lasting(t, t) for t, met in zip(instants, meets, strict=True) if met])
+    return all_told(query, [lasting(t, t) for t, met in zip(instants, meets, strict=True) if met])
 
 
 def _meet_at(
@@ -163,17 +163,7 @@ def _intervals(query: Query, ascents: Ascents, ask: Intervals, ask_first: First)
         if own is None:
             return None
         told += own
-    return _all(query, told)
-
-
-def _all(query: Query, told: list[ContactInterval]) -> ContactIntervals:
-    """The answer that these, and no others, are the contacts."""
-    merged = tuple(union(told))
-    if not merged:
-        return ContactIntervals.free(query.stats(), **query.shared)
-    begins = merged[0].start_interval[1] <= above(query.first)
-    status = Status.INITIAL_CONTACT if begins else Status.CONTACT
-    return ContactIntervals(merged, status, merged[0].start, None, query.stats(), **query.shared)
+    return all_told(query, told)
 
 
 def _of_part(
@@ -202,7 +192,7 @@ def _within(
         found = ask(replace(query, first=start, last=end, progress=None))
         return _but_for_ends(query, ascents, span, ask) if found.status is Status.UNDECIDED else list(found)
     meets, _ = _meet_at(query, ascents, start, ask_first)
-    return None if meets is None else [_lasting(start, end)] if meets else []
+    return None if meets is None else [lasting(start, end)] if meets else []
 
 
 def _but_for_ends(query: Query, ascents: Ascents, span: Span, ask: Intervals) -> list[ContactInterval] | None:
@@ -210,17 +200,12 @@ def _but_for_ends(query: Query, ascents: Ascents, span: Span, ask: Intervals) ->
     (start, end), told = span, []
     room = MOMENT * (end - start)
     if common_point(query, ascents, start, (start, start + room)) is not None:
-        told.append(_lasting(start, start + room))
+        told.append(lasting(start, start + room))
         start += room
     if common_point(query, ascents, end, (end - room, end)) is not None:
-        told.append(_lasting(end - room, end))
+        told.append(lasting(end - room, end))
         end -= room
     if not told:
         return None
     found = ask(replace(query, first=start, last=end, progress=None))
     return None if found.status is Status.UNDECIDED else [*told, *found]
-
-
-def _lasting(start: fmpq, end: fmpq) -> ContactInterval:
-    ends = (below(start), above(start)), (below(end), above(end))
-    return ContactInterval(to_double(start), to_double(end), *ends)

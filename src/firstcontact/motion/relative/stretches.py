@@ -143,7 +143,7 @@ def _between_turns(step: Step, first: fmpq, last: fmpq) -> list[fmpq]:
     """Where a rotation or screw of many turns is cut, for its angles to be told closely enough."""
     if not isinstance(step.motion, Rotation | Screw):
         return []
-    begin, end = max(first, step.start), last if step.end is None else min(last, step.end)
+    begin, end = (first, last) if step.end is None else (max(first, step.start), min(last, step.end))
     count = int((turns_of(step.motion) * (end - begin) / (step.unit * MOST_TURNS)).ceil()) if begin < end else 1
     return [begin + (end - begin) * k / count for k in range(1, count)]
 
