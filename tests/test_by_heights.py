@@ -334,3 +334,30 @@ def test_a_frustum_that_lifts_off_a_floor_before_time_zero_was_said_to_be_free()
         hit = fc.first_contact(lifts, b, (-1, 0))
         assert hit.status.name == "UNDECIDED" or hit.time == -1  # never later
         assert all(x.start == -1 for x in fc.contact_intervals(lifts, b, (-1, 0)))
+
+
+@pytest.mark.parametrize("floor", [PLATE, SLAB], ids=["solid", "mesh"])
+@pytest.mark.parametrize("name", [*RISEN, "angle"])
+def test_what_is_set_down_turned_in_place_and_taken_up(name, floor):
+    """Contact lasts while it turns on the floor; of a sheet, whose axis is beside it, too."""
+    outline = [(0, 0), (4, 0), (4, 2), (2, 2), (2, 4), (0, 4)]
+    corners = [(x, y, z) for z in (0, 1) for x, y in outline]
+    sides = [[k, j, j + 6, k + 6] for k in range(6) for j in [(k + 1) % 6]]
+    angle = fc.Polyhedron(corners, [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], *sides])
+    own = {**RISEN, "angle": angle}[name].translated((0, 0, 3))
+    motion = fc.Sequence([screw(-3, 150), fc.Rotation(UP, degrees=70), screw(2, 20)])
+    hit, found = fc.first_contact(own.moving(motion), floor), fc.contact_intervals(own.moving(motion), floor)
+    third = F(1, 3)
+    assert hit.status.name == "CONTACT" and F(hit.time_interval[0]) <= third <= F(hit.time_interval[1])
+    (x,) = found
+    assert F(x.start_interval[0]) <= third <= F(x.start_interval[1])
+    assert F(x.end_interval[0]) <= 2 * third <= F(x.end_interval[1])
+
+
+def test_heights_that_touch_at_the_ends_of_a_time_and_meet_between_are_no_rest():
+    """A ring sinks to the plate's top, through its hole and out below, beside the plate all the way."""
+    ring = fc.cylinder(1, 1).translated((0, 0, 2))
+    plate = fc.box((10, 10, 1)) - fc.cylinder(2, 3)
+    moving = ring.moving(fc.Sequence([screw(-1), screw(-2), screw(-1)]))
+    assert fc.contact_intervals(moving, plate).status.name == "FREE"
+    assert fc.first_contact(moving, plate).status.name == "FREE"

@@ -21,6 +21,7 @@ from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
 from firstcontact.result import ContactInterval, ContactIntervals, Status
+from firstcontact.timeline.answers import enclosing
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def rise_of(motion: AnyMotion, normal: Vector) -> fmpq | None:
 
 def in_longer_span(found: ContactIntervals, asked: Query, query: Query) -> ContactIntervals:
     """The answer to a query whose bodies are apart at all times before and after those that were asked about."""
-    later = found.status is Status.INITIAL_CONTACT and asked.first > query.first
+    later, found = found.status is Status.INITIAL_CONTACT and asked.first > query.first, enclosing(found, asked)
     return replace(
         found, intervals=tuple(_between(x, below(asked.first), above(asked.end)) for x in found.intervals),
         status=Status.CONTACT if later else found.status,

@@ -197,7 +197,8 @@ def _answer(verb: Literal["first"], query: Query, one_step: bool = False) -> Fir
 @overload
 def _answer(verb: Literal["intervals"], query: Query, one_step: bool = False) -> ContactIntervals: ...
 def _answer(verb: str, query: Query, one_step: bool = False) -> Any:
-    """What the room for the bodies says; where that leaves it open, what the heights of the bodies tell.
+    """What the room for the bodies says; where that leaves it open, what the heights of the bodies tell, or of a first
+    contact all contacts.
 
     one_step: known to be so; of bodies that move in several steps heights are asked first.
     """
@@ -205,7 +206,13 @@ def _answer(verb: str, query: Query, one_step: bool = False) -> Any:
     if known is not None:
         return known
     found = _of_room(verb, query)
-    more = _by_heights(verb, query, found) if found.status is Status.UNDECIDED and _has_heights(query) else None
+    if found.status is not Status.UNDECIDED or not _has_heights(query):
+        return found
+    more = _by_heights(verb, query, found)
+    if more is None and verb == "first" and query.first < query.end:
+        from firstcontact.contact import by_all_contacts  # few questions need it
+
+        more = by_all_contacts.first(query, found, lambda own: _answer("intervals", own))
     return found if more is None else more
 
 
@@ -250,7 +257,7 @@ def _of_room(verb: str, query: Query) -> Any:
 
 def _asked(room: _Room, verb: str) -> Callable[[Query], Any]:
     """What the room tells; of one instant, whether there is contact."""
-    return room.first if verb == "first" else partial(at_once.intervals, room)
+    return partial(at_once.first if verb == "first" else at_once.intervals, room)
 
 
 def _said(answer: R, query: Query) -> R:

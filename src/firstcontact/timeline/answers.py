@@ -33,7 +33,24 @@ def proved_intervals(found: Found, work: Work, query: Query) -> ContactIntervals
         status = Status.INITIAL_CONTACT if intervals[0].start_interval == (first, first) else Status.CONTACT
     if found.reason is not None:
         status, until = Status.UNDECIDED, max(first, found.until)
-    return ContactIntervals(tuple(intervals), status, until, found.reason, query.stats(work.done), **query.shared)
+    merged = tuple(union(intervals))  # one instant where two windows meet may be told of both
+    return ContactIntervals(merged, status, until, found.reason, query.stats(work.done), **query.shared)
+
+
+def enclosing(found: ContactIntervals, query: Query) -> ContactIntervals:
+    """The answer; ends that are told as those of the span enclose these, which may lie between doubles."""
+    ends = [(to_double(t), below(t), above(t)) for t in (query.first, query.last) if t is not None]
+    if all(lo == hi for _, lo, hi in ends):
+        return found
+
+    def wide(times: tuple[float, float]) -> tuple[float, float]:
+        lo, hi = times
+        for end, before, after in ends:
+            lo, hi = before if lo == end else lo, after if hi == end else hi
+        return lo, hi
+
+    told = (replace(x, start_interval=wide(x.start_interval), end_interval=wide(x.end_interval)) for x in found)
+    return replace(found, intervals=tuple(told))
 
 
 def as_far_as_decided(found: ContactIntervals) -> ContactIntervals:

@@ -68,6 +68,8 @@ def _point_of(query: Query, which: int, normal: Vector, height: fmpq, span: Span
         own, poses = _pose(body, span[0]), list(_relative(body, other, span))
         solid, seen = LastingSolid(tall), 0
         near = _seen_in(_doubles(inverse_map(poses[0])), tall.bounds())
+        if not np.isfinite(near).all():
+            return None  # the times are too long for an enclosure
         for point in points_at(shape_of(body), normal, height, near):
             places = [apply(pose, tuple(ball(c) for c in point)) for pose in poses]  # type: ignore[arg-type]
             if not tall.contains(np.array([float(c.mid()) for c in places[0]])):

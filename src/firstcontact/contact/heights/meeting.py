@@ -57,9 +57,18 @@ class Ascents:
     def has_from(self, which: int, height: fmpq, first: fmpq, last: fmpq) -> bool:
         """Whether a point of one body, at that height of its own, stays between the heights of the other one."""
         own, other = self.rises[which], self.rises[1 - which]
-        times = {first, last, *(t for t, _ in (*own, *other) if first < t < last)}
         low, high = self.ranges[1 - which]
+        times = self._bends(first, last)
         return all(low <= height + _at(own, t) - _at(other, t) <= high for t in times)
+
+    def is_touch(self, span: Span) -> bool:
+        """Whether one of them is on the other all the time, so that they have one height in common."""
+        gaps = [self.gaps_at(t) for t in self._bends(*span)]
+        return any(all(gap[k] == 0 for gap in gaps) for k in (0, 1))
+
+    def _bends(self, first: fmpq, last: fmpq) -> list[fmpq]:
+        """These times, and those between at which a speed changes."""
+        return [first, *(t for knots in self.rises for t, _ in knots if first < t < last), last]
 
     def raised(self, point: np.ndarray, time: fmpq) -> np.ndarray:
         """The point at the lowest of the heights that they have in common then, a time that is rounded."""

@@ -25,6 +25,9 @@ from firstcontact.work import Query
 MOMENT = fmpq(1, 2**20)
 """Part of a time next to whose ends a point is followed."""
 
+HALVINGS = 6
+"""Of a time in which one body lies on another."""
+
 R = TypeVar("R", FirstContact, ContactIntervals)
 First = Callable[[Query], FirstContact]
 Intervals = Callable[[Query], ContactIntervals]
@@ -64,34 +67,38 @@ def _noted(query: Query, stats: Stats, tell: Callable[[Ascents], R | None]) -> R
     return replace(told, stats=replace(stats, ways=ways, seconds=end - query.begin), **query.shared)
 
 
-# -- of instants ----------------------------------------------------------------------------------------------
+# -- of instants, and of rests ---------------------------------------------------------------------------------
 
 
-def _instants(query: Query, ascents: Ascents) -> list[fmpq] | None:
-    """The times at which the bodies have a height in common; None where that lasts, or of one instant alone."""
+def _instants(query: Query, ascents: Ascents) -> list[Span] | None:
+    """The times at which the bodies have a height in common, one alone; None where they have more, and of one instant
+    of a question."""
     spans = ascents.meetings()
-    if query.first == query.end or any(start < end for start, end in spans):
-        return None
-    return [start for start, _ in spans]
+    return spans if query.first < query.end and all(map(ascents.is_touch, spans)) else None
 
 
 def _first_of_instants(query: Query, ascents: Ascents, ask: First) -> FirstContact | None:
-    instants = _instants(query, ascents)
-    for instant in instants or ():
-        meets, point = _meet_at(query, ascents, instant, ask)
-        if meets is None or (meets and instant == query.first):
+    spans = _instants(query, ascents)
+    for start, end in spans or ():
+        meets, point = _meet_at(query, ascents, start, ask)
+        if meets is None or (meets and start == query.first) or (not meets and start < end):
             return None
         if meets:
-            return landed(query, ascents.normal, instant, ask, point)
-    return None if instants is None else FirstContact.free(query.stats(), **query.shared)
+            return landed(query, ascents.normal, start, ask, point)
+    return None if spans is None else FirstContact.free(query.stats(), **query.shared)
 
 
 def _all_of_instants(query: Query, ascents: Ascents, ask_first: First) -> ContactIntervals | None:
-    instants = _instants(query, ascents)
-    meets = [_meet_at(query, ascents, t, ask_first)[0] for t in instants or ()]
-    if instants is None or None in meets:
-        return None
-    return all_told(query, [lasting(t, t) for t, met in zip(instants, meets, strict=True) if met])
+    told = []
+    spans = _instants(query, ascents)
+    for start, end in spans or ():
+        meets = _is_flush(query, ascents, (start, end), HALVINGS) if start < end else None
+        if start == end:
+            meets, _ = _meet_at(query, ascents, start, ask_first)
+        if meets is None or (not meets and start < end):
+            return None
+        told += [lasting(start, end)] if meets else []
+    return None if spans is None else all_told(query, told)
 
 
 def _meet_at(
@@ -208,4 +215,15 @@ def _but_for_ends(query: Query, ascents: Ascents, span: Span, ask: Intervals) ->
     if not told:
         return None
     found = ask(replace(query, first=start, last=end, progress=None))
-    return None if found.status is Status.UNDECIDED else [*told, *found]
+    if found.status is not Status.UNDECIDED:
+        return [*told, *found]
+    return [*told, lasting(start, end)] if _is_flush(query, ascents, (start, end), HALVINGS) else None
+
+
+def _is_flush(query: Query, ascents: Ascents, span: Span, halvings: int) -> bool:
+    """Whether points are shared all the time, each of which is followed for a part of it."""
+    start, end = span
+    if common_point(query, ascents, start, span) is not None:
+        return True
+    middle = (start + end) / 2
+    return halvings > 0 and all(_is_flush(query, ascents, x, halvings - 1) for x in ((start, middle), (middle, end)))

@@ -17,6 +17,7 @@ from firstcontact.contact.named import element
 from firstcontact.contact.reduce import is_small_and_convex
 from firstcontact.contact.ruled import certified, posed
 from firstcontact.contact.ruled.crossing import Renamed, across
+from firstcontact.contact.ruled.in_one_plane import in_one_plane
 from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, parts_of
 from firstcontact.contact.ruled_solid import certified as by_search
 from firstcontact.contact.ruled_solid.level_pieces import first_of_level, intervals_of_level
@@ -28,7 +29,7 @@ from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.times import Times
 from firstcontact.contact.signs.touches import touch
 from firstcontact.contact.swapped import swapped
-from firstcontact.contact.ways import Passed, R, tried
+from firstcontact.contact.ways import Passed, R, Way, answered, tried
 from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
@@ -49,6 +50,16 @@ def intervals(query: Query) -> ContactIntervals:
 
     tolerance: as part of the span, of the certified path only.
     """
+    flat = in_one_plane(query)
+    if flat is None:
+        return _all_contacts(query)
+    return answered([
+        Way("in one plane", lambda *_: flat.intervals(_all_contacts, first)),
+        Way("in space", lambda *_: _all_contacts(query)),
+    ], query)  # fmt: skip
+
+
+def _all_contacts(query: Query) -> ContactIntervals:
     if _is_with_convex(query):
         return intervals_in_turn(query, _of_convex, _all_of_convex, _all_exactly)
     return intervals_in_turn(query, _in_doubles, _all_in_doubles, _all_exactly)
@@ -57,6 +68,15 @@ def intervals(query: Query) -> ContactIntervals:
 @first_of_level
 def first(query: Query) -> FirstContact:
     """The first shared point."""
+    flat = in_one_plane(query)
+    if flat is None:
+        return _first_shared(query)
+    return answered([
+        Way("in one plane", lambda *_: flat.first(_first_shared)), Way("in space", lambda *_: _first_shared(query))
+    ], query)  # fmt: skip
+
+
+def _first_shared(query: Query) -> FirstContact:
     return with_start(query, _first_contact)
 
 
