@@ -361,3 +361,45 @@ def test_heights_that_touch_at_the_ends_of_a_time_and_meet_between_are_no_rest()
     moving = ring.moving(fc.Sequence([screw(-1), screw(-2), screw(-1)]))
     assert fc.contact_intervals(moving, plate).status.name == "FREE"
     assert fc.first_contact(moving, plate).status.name == "FREE"
+
+
+def test_ends_that_no_double_equals_are_enclosed():
+    """A cylinder lands at 11/27 on a screw; a start and an end at thirds of the span."""
+    lands = fc.cylinder(1, 2).translated((0, 0, 5)).moving(fc.Screw(UP, (1, 0, 0), turns=F(1, 12), advance=F(-81, 11)))
+    (x,) = fc.contact_intervals(lands, fc.cylinder(2, 2))
+    assert F(x.start_interval[0]) <= F(11, 27) <= F(x.start_interval[1])
+    shift = fc.Translation((1, 0, 0))
+    for a, b in ((fc.sphere(1), fc.sphere(1)), (fc.examples.box((1, 1, 1)), fc.examples.box((1, 1, 1)))):
+        (x,) = fc.contact_intervals(a.moving(shift), b, span=(F(1, 3), F(2, 3)))
+        assert F(x.start_interval[0]) <= F(1, 3) <= F(x.start_interval[1])
+        assert F(x.end_interval[0]) <= F(2, 3) <= F(x.end_interval[1])
+        lo, hi = fc.first_contact(a.moving(shift), b, span=(F(1, 3), F(2, 3))).time_interval
+        assert F(lo) <= F(1, 3) <= F(hi)
+
+
+def test_a_graze_where_two_screws_join_is_one_interval():
+    a, b = fc.cylinder(1, 2).translated((0, 2, 0)), fc.cylinder(1, 24).translated((-4, 0, 0))
+    there, back = (fc.Screw(UP, turns=F(1, 4), advance=k) for k in (1, -1))
+    found = fc.contact_intervals(a.moving(fc.Sequence([there, back], durations=[F(1, 3), F(2, 3)])), b)
+    (x,) = found
+    assert F(x.start_interval[0]) <= F(1, 3) <= F(x.end_interval[1])
+
+
+@pytest.mark.parametrize("turns", [F(1, 2), F(3, 7), F(1, 7)])
+def test_a_tip_that_sinks_into_a_box_is_told_in_either_order(turns):
+    tip = fc.cone(1, 2).rotated((1, 0, 0), degrees=180).translated((0, 0, 6))
+    moving, box = tip.moving(fc.Screw(UP, (1, 0, 0), turns=turns, advance=-4)), fc.box((6, 6, 2))
+    for hit in (fc.first_contact(moving, box), fc.first_contact(box, moving)):
+        assert hit.status.name == "CONTACT" and hit.time_interval[0] <= 0.75 <= hit.time_interval[1]
+
+
+def test_the_head_of_a_bolt_grazes_a_post_on_its_screw():
+    """Post and head, of radius 1 both, at the radii 4 and 2: they touch in one direction."""
+    shank = fc.cylinder(F(1, 2), 2).translated((2, 0, -1))
+    bolt = (shank | fc.cylinder(1, F(1, 2)).translated((2, 0, F(1, 4)))).moving(fc.Screw(UP, turns=F(3, 4), advance=1))
+    post = fc.cylinder(1, 20).translated((F(-12, 5), F(-16, 5), 0))
+    hit = fc.first_contact(bolt, post)
+    assert hit.status.name == "CONTACT"
+    then = (math.pi + math.atan2(4, 3)) / (1.5 * math.pi)
+    assert hit.time_interval[0] <= then <= hit.time_interval[1]
+    assert [x.way for x in hit.stats.ways][-1] == "by all contacts"

@@ -209,7 +209,7 @@ def _answer(verb: str, query: Query, one_step: bool = False) -> Any:
     if found.status is not Status.UNDECIDED or not _has_heights(query):
         return found
     more = _by_heights(verb, query, found)
-    if more is None and verb == "first" and query.first < query.end:
+    if more is None and verb == "first" and query.first < query.end and Kind.RULED not in kinds_of(*query.bodies):
         from firstcontact.contact import by_all_contacts  # few questions need it
 
         more = by_all_contacts.first(query, found, lambda own: _answer("intervals", own))
