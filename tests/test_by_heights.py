@@ -403,3 +403,21 @@ def test_the_head_of_a_bolt_grazes_a_post_on_its_screw():
     then = (math.pi + math.atan2(4, 3)) / (1.5 * math.pi)
     assert hit.time_interval[0] <= then <= hit.time_interval[1]
     assert [x.way for x in hit.stats.ways][-1] == "by all contacts"
+
+
+def test_an_angle_that_turns_on_another_one_stays_in_contact():
+    """Neither is convex, and no corner of the one stays on the other: 35 s, UNDECIDED."""
+    outline = [(0, 0), (4, 0), (4, 2), (2, 2), (2, 4), (0, 4)]
+    sides = [[k, j, j + 6, k + 6] for k in range(6) for j in [(k + 1) % 6]]
+    faces = [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], *sides]
+    upper = fc.Polyhedron([(x, y, z) for z in (4, 6) for x, y in outline], faces)
+    lower = fc.Polyhedron([(x - 1, y - 1, z) for z in (-1, 1) for x, y in outline], faces)
+    on = (1, 0, 0)
+    motion = fc.Sequence([fc.Screw(UP, on, turns=F(3, 7), advance=-3), fc.Rotation(UP, on, turns=F(1, 5))])
+    for a, b in ((upper.moving(motion), lower), (lower, upper.moving(motion))):
+        found = fc.contact_intervals(a, b)
+        assert [(x.start, x.end) for x in found] == [(0.5, 1.0)]
+        assert [x.way for x in found.stats.ways] == ["by heights"]
+        assert fc.first_contact(a, b).time == 0.5
+    aside = upper.translated((9, 9, 0)).moving(motion)
+    assert fc.contact_intervals(aside, lower).status.name == "FREE"

@@ -15,9 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.heights.meeting import Ascents, Span, speed_of, steps_in
 from firstcontact.contact.heights.ranges import points_at
+from firstcontact.contact.polyhedra.level_regions import Region
+from firstcontact.contact.polyhedra.prisms import along, base_of, heights_of
 from firstcontact.contact.reduce import as_model, is_small_and_convex
 from firstcontact.contact.upright_parts import upright
 from firstcontact.contact.ways import Passed, tried
@@ -39,6 +42,8 @@ if TYPE_CHECKING:
 BITS = 128
 MOST_POINTS = 40
 """That are looked at in balls."""
+MOST_TRIANGLES = 32
+"""Of a level face whose points are looked at by triangles."""
 
 
 def common_point(query: Query, ascents: Ascents, time: fmpq, span: Span | None = None) -> np.ndarray | None:
@@ -61,24 +66,36 @@ def common_point(query: Query, ascents: Ascents, time: fmpq, span: Span | None =
 def _point_of(query: Query, which: int, normal: Vector, height: fmpq, span: Span) -> np.ndarray | None:
     """A point of the body, at that height in its own frame, that the outline of the other one holds all the time."""
     body, other = query.bodies[which], query.bodies[1 - which]
-    tall = _tall(shape_of(other), normal)
-    if tall is None:
+    parts = _tall(shape_of(other), normal)
+    if not parts:
         return None
     with precision(BITS):
         own, poses = _pose(body, span[0]), list(_relative(body, other, span))
-        solid, seen = LastingSolid(tall), 0
-        near = _seen_in(_doubles(inverse_map(poses[0])), tall.bounds())
-        if not np.isfinite(near).all():
-            return None  # the times are too long for an enclosure
-        for point in points_at(shape_of(body), normal, height, near):
-            places = [apply(pose, tuple(ball(c) for c in point)) for pose in poses]  # type: ignore[arg-type]
-            if not tall.contains(np.array([float(c.mid()) for c in places[0]])):
-                continue
-            if all(map(solid.holds, places)):
+        seen_from = _doubles(inverse_map(poses[0]))
+        for tall in parts:
+            point = _point_in(tall, shape_of(body), normal, height, poses, seen_from)
+            if point is not None:
                 return np.array([float(ball(c).mid()) for c in apply(own, point)])
-            seen += 1
-            if seen == MOST_POINTS:
-                return None
+    return None
+
+
+def _point_in(
+    tall: CompositeQuadric, shape: Any, normal: Vector, height: fmpq, poses: list[Matrix], seen_from: np.ndarray
+) -> Vector | None:
+    """The same of a convex part of the other body, in the frame of the first one."""
+    near = _seen_in(seen_from, tall.bounds())
+    if not np.isfinite(near).all():
+        return None  # the times are too long for an enclosure
+    solid, seen = LastingSolid(tall), 0
+    for point in points_at(shape, normal, height, near):
+        places = [apply(pose, tuple(ball(c) for c in point)) for pose in poses]  # type: ignore[arg-type]
+        if not tall.contains(np.array([float(c.mid()) for c in places[0]])):
+            continue
+        if all(map(solid.holds, places)):
+            return point
+        seen += 1
+        if seen == MOST_POINTS:
+            return None
     return None
 
 
@@ -93,17 +110,41 @@ def _relative(body: Body, other: Body, span: Span) -> Iterator[Matrix]:
         yield tuple(tuple(row[:4]) for row in rows[:3])  # type: ignore[misc]
 
 
-def _tall(shape: Any, normal: Vector) -> CompositeQuadric | None:
-    """A body that is the same at all heights, higher and lower than it is; None of others."""
+def _tall(shape: Any, normal: Vector) -> list[CompositeQuadric]:
+    """A body that is the same at all heights, higher and lower than it is: parts that cover it; none of others."""
+    known = _TALL.get(shape)
+    if known is None or known[0] != normal:
+        known = _TALL.put(shape, (normal, _parts_of(shape, normal)))
+    return known[1]
+
+
+_TALL = Kept[tuple[Vector, list["CompositeQuadric"]]]()
+
+
+def _parts_of(shape: Any, normal: Vector) -> list[CompositeQuadric]:
     is_mesh = shape.kind == Polyhedron.kind
-    if is_mesh and not (shape.solid and is_small_and_convex(shape)):
-        return None
+    if is_mesh and not shape.solid:
+        return []
+    if is_mesh and not is_small_and_convex(shape):
+        return _of_triangles(shape, normal)
     found = upright(shape, normal)
     if found is None:
-        return None
+        return []
     room = found.high - found.low
     tall: Any = found.between(found.low - room, found.high + room)
-    return as_model(tall) if is_mesh else tall
+    return [as_model(tall) if is_mesh else tall]
+
+
+def _of_triangles(shape: Polyhedron, normal: Vector) -> list[CompositeQuadric]:
+    """Of a prism of any outline: over the triangles of its lower face."""
+    heights = heights_of(shape, normal)
+    base = base_of(shape, normal, heights) if heights else None
+    if base is None or len(base.triangles) > MOST_TRIANGLES:
+        return []
+    room = max(heights) - min(heights)
+    regions = [Region([base.points[v] for v in corners], [[0, 1, 2]]) for corners in base.triangles]
+    parts: list[Any] = [along(x, normal, min(heights) - room, max(heights) + room, shape) for x in regions]
+    return [as_model(x) for x in parts]
 
 
 def _pose(body: Body, time: fmpq) -> Matrix:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from itertools import pairwise, product
+from itertools import combinations_with_replacement, pairwise, product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +28,8 @@ Heights = tuple[fmpq, fmpq]
 
 ACROSS = 13
 """Points each way of the grid in which points of level faces are sought."""
+WITHIN = 6
+"""Parts of the sides of a triangle, in which its points are looked at."""
 ALONG = 24
 """Points of a level curve that are looked at."""
 INWARD = 1e-6
@@ -108,6 +110,8 @@ def points_at(shape: Any, normal: Vector, level: fmpq, near: np.ndarray) -> Iter
         yield from (p for p, h in _vertices(shape, normal) if h == level)
         if is_small_and_convex(shape):
             yield from _of_faces(as_model(shape), normal, level, near)
+        else:
+            yield from _of_triangles(shape, normal, level)
     elif shape.kind == CompositeQuadric.kind:
         yield from _of_faces(shape, normal, level, near)
     else:
@@ -121,6 +125,17 @@ def _vertices(shape: Polyhedron, normal: Vector) -> Iterator[tuple[Vector, fmpq]
     for k in used.tolist() or range(len(shape.vertices)):
         p = shape.exact_vertex(k)
         yield p, dot(normal, p)
+
+
+def _of_triangles(shape: Polyhedron, normal: Vector, level: fmpq) -> Iterator[Vector]:
+    """Within triangles of that height, as fractions of their corners."""
+    heights = {k: dot(normal, shape.exact_vertex(k)) for k in np.unique(shape.triangles).tolist()}
+    for corners in shape.triangles.tolist():
+        if all(heights[k] == level for k in corners):
+            p, q, r = (shape.exact_vertex(k) for k in corners)
+            for i, j in combinations_with_replacement(range(1, WITHIN), 2):
+                shares = fmpq(i, WITHIN), fmpq(j - i, WITHIN), fmpq(WITHIN - j, WITHIN)
+                yield add(scaled(shares[0], p), add(scaled(shares[1], q), scaled(shares[2], r)))
 
 
 def _of_faces(solid: CompositeQuadric, normal: Vector, level: fmpq, near: np.ndarray) -> Iterator[Vector]:
