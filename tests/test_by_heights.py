@@ -421,3 +421,15 @@ def test_an_angle_that_turns_on_another_one_stays_in_contact():
         assert fc.first_contact(a, b).time == 0.5
     aside = upper.translated((9, 9, 0)).moving(motion)
     assert fc.contact_intervals(aside, lower).status.name == "FREE"
+
+
+def test_what_turns_off_the_floor_in_place_is_asked_about_in_the_plane():
+    """A bar that is set down across the end of a plate, by 1 in 10, and turns away from it about its other end."""
+    bar = fc.examples.box((6, 1, 1)).translated((3, 0, F(5, 2)))
+    plate = fc.examples.box((2, 4, 2)).translated((6, 0, -1))
+    motion = fc.Sequence([screw(-2, 360), fc.Rotation(UP, degrees=90), screw(2, 20)])
+    then = math.radians(90)  # the corner (6, 1/2) and the side y = -1/2 leave the plate, whose nearest corner is (5, 2)
+    (x,) = fc.contact_intervals(bar.moving(motion), plate)
+    assert F(x.start_interval[0]) <= F(1, 3) <= F(x.start_interval[1])
+    out = math.atan2(2, 5) + math.asin(0.5 / math.hypot(5, 2))  # its lower side passes the corner
+    assert x.end == pytest.approx((1 + out / then) / 3, abs=1e-9)

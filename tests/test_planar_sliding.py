@@ -56,11 +56,15 @@ def test_on_a_slanting_table():
     assert hits[0].status is fc.Status.CONTACT and hits[1].time == pytest.approx(hits[0].time, abs=1e-12)
 
 
-def test_sheets_have_no_walls_and_are_left_open():
+def test_the_corner_of_a_sheet_meets_another_one_in_its_plane():
+    """Sheets have no walls.  The corner (1, -1) comes round to x = sqrt(2) cos(50 t - 45), the side to x = 3 - 4 t."""
     sheet = fc.Polyhedron([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2, 3]])
     way, turn = fc.Translation((-4, 0.1, 0)), fc.Rotation(UP, degrees=50)
     hit = fc.first_contact(sheet.translated((4, 0, 0)).moving(way), sheet.moving(turn))
-    assert hit.status is fc.Status.UNDECIDED and hit.reason == "precision" and hit.free_until > 0.4
+    assert hit.status is fc.Status.CONTACT
+    lo, hi = hit.time_interval
+    ahead = [3 - 4 * t - np.sqrt(2) * np.cos(np.radians(50 * t - 45)) for t in (lo - 1e-12, hi + 1e-12)]
+    assert ahead[0] > 0 > ahead[1]
 
 
 def test_which_have_walls():

@@ -52,7 +52,7 @@ def without_advance(query: Query, upright: Callable[[Body, Vector], Upright | No
     normal = axis_of_screw(query)
     if normal is None:
         return None
-    level_a, level_b = _level(query.a, normal), _level(query.b, normal)
+    level_a, level_b = level(query.a, normal), level(query.b, normal)
     if level_a is None or level_b is None or level_a[1] == level_b[1]:
         return None
     (a, rise_a), (b, rise_b) = level_a, level_b
@@ -68,7 +68,7 @@ def without_advance(query: Query, upright: Callable[[Body, Vector], Upright | No
     return replace(query, a=tall.between(other.low - room, other.high + room), b=b, first=first, last=last)
 
 
-def _level(body: Body, normal: Vector) -> tuple[Body, fmpq] | None:
+def level(body: Body, normal: Vector) -> tuple[Body, fmpq] | None:
     """The body without its advance along the normal, and how fast its heights grow; None for other motions."""
     if not isinstance(body, Moving):
         return body, fmpq(0)

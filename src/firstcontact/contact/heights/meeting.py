@@ -6,18 +6,18 @@ height at every time, which grows at a constant speed in every step.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
 
-from firstcontact.contact.advancing import rise_of
+from firstcontact.contact.advancing import level, rise_of
 from firstcontact.contact.heights.ranges import Heights, heights
-from firstcontact.exact.numbers import to_double
+from firstcontact.exact.numbers import fraction, to_double
 from firstcontact.exact.rigid import rational_sqrt
-from firstcontact.exact.vectors import Vector, dot
+from firstcontact.exact.vectors import Vector, dot, scaled
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.placement import Placement, Twist
 from firstcontact.motion.relative.stretches import known_steps
@@ -31,6 +31,7 @@ from firstcontact.work import Query
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
+    from firstcontact.motion.kinds import AnyMotion
 
 Span = tuple[fmpq, fmpq]
 Knots = list[tuple[fmpq, fmpq]]
@@ -66,6 +67,22 @@ class Ascents:
         gaps = [self.gaps_at(t) for t in self._bends(*span)]
         return any(all(gap[k] == 0 for gap in gaps) for k in (0, 1))
 
+    def level(self, query: Query, span: Span) -> Query | None:
+        """The question about times in which heights stay as they are, of bodies that turn and shift at these heights
+        alone; None where heights change, and of motions that are not taken apart."""
+        first, last = span
+        bodies: list[Any] = []
+        for body, knots in zip(query.bodies, self.rises, strict=True):
+            rise = _at(knots, first)
+            if any(_at(knots, t) != rise for t in self._bends(first, last)):
+                return None
+            shape: Any = shape_of(body).translated(scaled(rise / dot(self.normal, self.normal), self.normal))
+            motion = _without_advance(body, self.normal)
+            if motion is None and isinstance(body, Moving):
+                return None
+            bodies.append(shape if motion is None else Moving(shape, motion))
+        return replace(query, a=bodies[0], b=bodies[1], first=first, last=last, progress=None)
+
     def _bends(self, first: fmpq, last: fmpq) -> list[fmpq]:
         """These times, and those between at which a speed changes."""
         return [first, *(t for knots in self.rises for t, _ in knots if first < t < last), last]
@@ -93,6 +110,19 @@ class Ascents:
             else:
                 found.append(own)
         return found
+
+
+def _without_advance(body: Body, normal: Vector) -> AnyMotion | None:
+    """The motion of a body, each step without its advance; None of bodies at rest and of other motions."""
+    if not isinstance(body, Moving):
+        return None
+    motion: Any = body.motion
+    steps = motion.steps if isinstance(motion, Sequence) else [motion]
+    flat = [level(Moving(body.body, step), normal) for step in steps]
+    if any(x is None for x in flat):
+        return None
+    motions: list[Any] = [x[0].motion for x in flat if x is not None and isinstance(x[0], Moving)]
+    return Sequence(motions, [fraction(x) for x in motion.durations]) if isinstance(motion, Sequence) else motions[0]
 
 
 def _where_both(first: fmpq, last: fmpq, start: tuple[fmpq, fmpq], end: tuple[fmpq, fmpq]) -> Span | None:

@@ -52,7 +52,7 @@ def intervals(query: Query, found: ContactIntervals | None, of_room: OfRoom) -> 
     ask: Intervals = partial(of_room, "intervals")
     ask_first: First = partial(of_room, "first")
     if found is None:
-        return _noted(query, query.stats(), lambda ascents: _all_of_instants(query, ascents, ask_first))
+        return _noted(query, query.stats(), lambda ascents: _all_of_instants(query, ascents, ask, ask_first))
     return _noted(query, found.stats, lambda ascents: _intervals(query, ascents, ask, ask_first))
 
 
@@ -88,17 +88,26 @@ def _first_of_instants(query: Query, ascents: Ascents, ask: First) -> FirstConta
     return None if spans is None else FirstContact.free(query.stats(), **query.shared)
 
 
-def _all_of_instants(query: Query, ascents: Ascents, ask_first: First) -> ContactIntervals | None:
-    told = []
-    spans = _instants(query, ascents)
-    for start, end in spans or ():
-        meets = _is_flush(query, ascents, (start, end), HALVINGS) if start < end else None
-        if start == end:
-            meets, _ = _meet_at(query, ascents, start, ask_first)
-        if meets is None or (not meets and start < end):
+def _all_of_instants(query: Query, ascents: Ascents, ask: Intervals, ask_first: First) -> ContactIntervals | None:
+    spans, told = _instants(query, ascents), list[ContactInterval]()
+    for span in spans or ():
+        own = _at_rest(query, ascents, span, ask) if span[0] < span[1] else None
+        if span[0] == span[1]:
+            meets, _ = _meet_at(query, ascents, span[0], ask_first)
+            own = None if meets is None else [lasting(*span)] if meets else []
+        if own is None:
             return None
-        told += [lasting(start, end)] if meets else []
+        told += own
     return None if spans is None else all_told(query, told)
+
+
+def _at_rest(query: Query, ascents: Ascents, span: Span, ask: Intervals) -> list[ContactInterval] | None:
+    """The contacts while one body is on the other; None where they are left open."""
+    if _is_flush(query, ascents, span, HALVINGS):
+        return [lasting(*span)]
+    turn = ascents.level(query, span)
+    found = None if turn is None else ask(turn)
+    return None if found is None or found.status is Status.UNDECIDED else list(found)
 
 
 def _meet_at(
@@ -196,7 +205,8 @@ def _within(
     """The contacts in one of those times; None where they are left open."""
     start, end = span
     if start < end and not all(rest_within(x, start, end) for x in query.bodies):
-        found = ask(replace(query, first=start, last=end, progress=None))
+        part = replace(query, first=start, last=end, progress=None)
+        found = ask(ascents.level(query, span) or part)
         return _but_for_ends(query, ascents, span, ask) if found.status is Status.UNDECIDED else list(found)
     meets, _ = _meet_at(query, ascents, start, ask_first)
     return None if meets is None else [lasting(start, end)] if meets else []
